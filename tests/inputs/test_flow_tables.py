@@ -103,6 +103,8 @@ WELL = '[[well]]\nname = "w"\n'
     [
         ("viscosity = 1.3\n", "looks like cP"),
         ("viscosity = 1.0\n", "looks like cP"),
+        ("viscosity = 1e-6\n", "looks like m2/s"),
+        ("bulk_modulus = 2.0\n", "looks like GPa"),
         ("longest = 1e-6\n", "channels, of 1000000 at most"),
         ("passes = 5\n", 'belongs to coupling = "full"'),
         ('state = "transient"\ncoupling = "steady"\n', 'does not go with state = "transient"'),
@@ -144,6 +146,72 @@ def test_broken_flows_are_refused(more, said):
     with pytest.raises(ClastError, match=said) as fault:
         wet(more)
     assert fault.value.remedy
+
+
+WRONG = {
+    "[flow]\n": {
+        "viscosity": ("0", "-1e-3", "nan", "inf", '"thin"'),
+        "density": ("0", "nan", "1e30"),
+        "bulk_modulus": ("0", "nan"),
+        "longest": ("0", "-1", "nan"),
+        "passes": ("0", "2.5"),
+        "state": ('"quick"', "3"),
+        "coupling": ('"both"',),
+        "confined": ('"yes"', "1"),
+        "level": ('"high"',),
+        "visosity": ("1e-3",),
+    },
+    '[flow]\n[[flow_boundary]]\nwhere = {side = "left"}\n': {
+        "head": ("nan", '"six"', "1e30"),
+        "flux": ("inf",),
+        "rain": ("-1e-8",),
+        "seepage": ("false",),
+        "amplitude": ('"none"',),
+        "name": ("3",),
+    },
+    "[flow]\n[[flow_boundary]]\nhead = 6.0\n": {
+        "where": (
+            "{}",
+            '"left"',
+            '{side = "west"}',
+            '{side = "left", opening = "x"}',
+            "{polygon = [[0, 0], [1, 1]]}",
+            "{polygon = []}",
+            "{edges = []}",
+            "{edges = [[0, 0], [0, 9]]}",
+            "{edges = [[[5, 5], [6, 5]]]}",
+        ),
+    },
+    "[flow]\n" + LEFT + WELL + "pressure = 0.0\n": {
+        "at": ("[5.3]", "[nan, 3]", '"left"'),
+        "line": ("[[1, 1], [1, 1]]", "[[1, 1]]"),
+    },
+    "[flow]\n" + LEFT + WELL + "at = [5.3, 3.4]\n": {
+        "pressure": ("nan",),
+        "rate": ("inf",),
+        "head": ('"x"',),
+    },
+    "[flow]\n" + LEFT + '[[measured_flow]]\nname = "m"\n': {"of": ("3", '"none"')},
+    "[flow]\n" + LEFT + '[[stage]]\nname = "a"\n': {
+        "flow_boundary": ('"left"', "{left = 4.0}", '{left = {head = "x"}}', "{left = {}}"),
+        "flow": ('"transient"', "{state = 3}", '{state = "transient", x = 1}'),
+    },
+}
+"""Table -> its keys with values that they cannot have."""
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [(one, key, each) for one, keys in WRONG.items() for key in keys for each in keys[key]],
+)
+def test_values_that_keys_cannot_have_are_refused_by_their_names(table, key, value):
+    with pytest.raises(ClastError) as fault:
+        case = wet_rock.case_of(10.0, *SETS, more=table + f"{key} = {value}\n")
+        case.model()
+        case.schedule()
+    told = str(fault.value)
+    assert key in told
+    assert "pydantic" not in told and "Input should" not in told
 
 
 def test_other_processes_refuse_water_in_the_equations_of_blocks():

@@ -21,6 +21,10 @@ WELLS = ("pressure", "head", "rate")
 """Keys of which a well has one."""
 CENTIPOISE = 1.0
 """Viscosity, Pa s, from which on it is in another unit."""
+KINEMATIC = 1e-5
+"""Viscosity, Pa s, below which it is one in m2/s: gases have more."""
+SOFT = 1e3
+"""Bulk modulus, Pa, below which it is in another unit: water with much air has more."""
 
 CLOUDBURST = 1e-3
 """Rain, m/s, above which it is in another unit."""
@@ -60,6 +64,14 @@ class FlowTable(ByKeys):
             what = f"{self.viscosity:g} looks like cP, but viscosities are in Pa s"
             remedy = f"write {1e-3 * self.viscosity:g}; water has 1e-3"
             raise refusal(what, remedy, "viscosity")
+        if self.viscosity < KINEMATIC:
+            what = f"{self.viscosity:g} looks like m2/s, but viscosities are in Pa s"
+            remedy = f"write {self.viscosity * self.density:g}; water has 1e-3"
+            raise refusal(what, remedy, "viscosity")
+        if self.bulk_modulus < SOFT:
+            what = f"{self.bulk_modulus:g} looks like GPa, but moduli are in Pa"
+            remedy = f"write {1e9 * self.bulk_modulus:g}; water has 2e9"
+            raise refusal(what, remedy, "bulk_modulus")
         if self.initial is not None and self.state != "transient":
             remedy = 'leave it out, or give state = "transient"'
             raise refusal('belongs to state = "transient"', remedy, "initial")
