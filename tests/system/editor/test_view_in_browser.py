@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import checks
+from clast.editor.checking import check, checks
 from clast.editor.view import ViewServer
 from scenes.browsers import CHROMIUM, until
 
@@ -100,6 +100,20 @@ def test_blocks_follow_the_file(window):
     assert page.evaluate("clastView.section.view.scale") > before
     shown(page, lambda: path.write_text(SLOPE, "utf-8"))
     assert page.evaluate("clastView.section.view.scale") > before  # what is looked at stays
+
+
+def test_a_window_says_that_it_waits(browser, tmp_path):
+    server = ViewServer(("127.0.0.1", 0), tmp_path / "case.toml")
+    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+    page = browser.new_page()
+    page.goto(server.address)
+    assert "Reading the case" in page.inner_text(".wait")
+    server.show(check(SLOPE, "case.toml"))
+    until(page, "globalThis.clastView?.shown.count > 0")
+    assert not page.is_visible(".wait")
+    page.close()
+    server.shutdown()
+    server.server_close()
 
 
 def test_a_fault_stands_at_its_line_and_its_place_and_goes(window):

@@ -32,7 +32,8 @@ export class Section {
   constructor(root, asked) {
     root.innerHTML = `<div class="stage"><div class="legend"><div class="entries"></div><details><summary>Layers</summary><div class="layers"></div></details></div>
       <div class="canvases"><canvas aria-hidden="true"></canvas><canvas tabindex="0" role="img" aria-label="Drawing of the case. Arrows move it, plus and minus zoom, 0 shows all."></canvas>
-      <output class="place"></output><p class="old" hidden>The blocks are those before the faults.</p></div></div>`;
+      <output class="place"></output><p class="wait" role="status">Reading the case. After an installation parts of clast are compiled first, once: up to a minute.</p>
+      <p class="old" hidden>The blocks are those before the faults.</p></div></div>`;
     this.root = root;
     this.asked = asked;
     [this.below, this.above] = root.querySelectorAll("canvas");
@@ -66,6 +67,7 @@ export class Section {
    * @param {any} news what section.py made @param {any[]} marks each with ``kind`` and ``at``
    */
   async show(news, marks) {
+    this.root.querySelector(".wait").hidden = true;
     const isFirst = this.origin === null;
     const before = this.run && JSON.stringify([this.run.scene.vertices, this.origin]);
     if (news.scene) {
