@@ -19,6 +19,7 @@ from clast.verification.problems.water.flow_follows import (
     water_of,
 )
 from scenes.restarts import pressed_at
+from scenes.two_lakes import lakes, rock
 
 pytestmark = pytest.mark.filterwarnings("ignore::clast.RunWarning")
 
@@ -92,63 +93,22 @@ def test_the_flow_is_the_same(followed, given, steps, same):
     )
 
 
-STAGED = """
-title = "A heading between two lakes"
-gravity = [0.0, -9.81]
-[time]
-end = 1.0
-step = 1e-2
-dynamic_ratio = 0.0
-[rock.stone]
-young = 50e9
-poisson = 0.2
-density = 2600.0
-[joint.default]
-friction_angle = 40.0
-cohesion = 1e6
-tensile_strength = 1e6
-normal_stiffness = 2e9
-shear_stiffness = 1e9
-aperture = 2e-4
-[domain]
-boundary = [[0, 0], [10, 0], [10, 10], [0, 10]]
-fixed_sides = ["bottom", "left", "right"]
-[[joint_set]]
-name = "a"
-angle = 20
-spacing = 1.6
-[[joint_set]]
-name = "b"
-angle = 95
-spacing = 1.3
-[[opening]]
-name = "heading"
-shape = "box"
-corner = [4, 1.2]
-size = [2, 2]
+JOINT = "cohesion = 1e6\ntensile_strength = 1e6\nnormal_stiffness = 2e9\nshear_stiffness = 1e9\n"
+STAGES = """
 [in_situ]
 vertical = "overburden"
 k0 = 0.8
-[flow]
-coupling = "steady"
-[[flow_boundary]]
-name = "lake"
-where = {side = "left"}
-head = 9.0
-[[flow_boundary]]
-name = "sea"
-where = {side = "right"}
-head = 7.3
 [[stage]]
 name = "before"
 [[stage]]
 name = "dug"
-excavate = ["heading"]
+excavate = ["tunnel"]
 """
 
 
 def staged() -> clast.Case:
-    return clast.Case.from_text(STAGED, "case")
+    text = rock(end=1.0, joint=JOINT) + lakes(9.0, 'coupling = "steady"') + STAGES
+    return clast.Case.from_text(text, "case")
 
 
 def test_flow_follows_each_stage_and_goes_on_from_a_checkpoint(tmp_path):

@@ -11,49 +11,11 @@ import clast
 from clast.exports.csv_tables import write_csv
 from scenes.command_line import good
 from scenes.restarts import pressed_at
+from scenes.two_lakes import lakes, rock
 
-CASE = """
-title = "A tunnel between two lakes"
-gravity = [0.0, -9.81]
-[time]
-end = 0.03
-step = 1e-2
-dynamic_ratio = 0.0
-[rock.stone]
-young = 50e9
-poisson = 0.2
-density = 2600.0
-[joint.default]
-friction_angle = 40.0
-aperture = 2e-4
-[domain]
-boundary = [[0, 0], [10, 0], [10, 10], [0, 10]]
-fixed_sides = ["bottom", "left", "right"]
-[[joint_set]]
-name = "a"
-angle = 20
-spacing = 1.6
-[[joint_set]]
-name = "b"
-angle = 95
-spacing = 1.3
-[[opening]]
-name = "tunnel"
-shape = "box"
-corner = [4, 1.2]
-size = [2, 2]
-{opening}
+DRAINED = """
 [output]
 every = 0.01
-[flow]
-[[flow_boundary]]
-name = "lake"
-where = {{side = "left"}}
-head = {head}
-[[flow_boundary]]
-name = "sea"
-where = {{side = "right"}}
-head = 7.3
 [[well]]
 name = "drain"
 line = [[2.0, 5.0], [3.0, 4.0]]
@@ -87,7 +49,7 @@ excavate = ["tunnel"]
 
 
 def staged() -> clast.Case:
-    return clast.Case.from_text(CASE.format(opening="", head=7.3) + STAGES, "case")
+    return clast.Case.from_text(rock() + lakes() + DRAINED + STAGES, "case")
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +60,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
 
 @pytest.mark.filterwarnings("ignore::clast.RunWarning")
 def test_stages_end_with_the_flow_of_a_case_that_begins_so(run):
-    void = CASE.format(opening="excavated = true", head=5.0)
+    void = rock(opening="excavated = true") + lakes(head=5.0) + DRAINED
     direct = clast.Case.from_text(void, "case").run()
     for name in ("lake", "sea", "drain", "tunnel", "all joints"):
         last = run.inflow(name).inflow[-1]
@@ -157,10 +119,7 @@ def test_water_has_its_entry_in_the_ledger(run):
 
 
 def test_without_a_flow_there_is_nothing_of_it(tmp_path: Path):
-    text = CASE.format(opening="", head=7.3)
-    dry = clast.Case.from_text(text[: text.index("[flow]")], "case").run(
-        output=tmp_path / "dry.vtkhdf"
-    )
+    dry = clast.Case.from_text(rock(), "case").run(output=tmp_path / "dry.vtkhdf")
     assert dry.flow_name == ()
     assert len(dry.flow()) == 0
     import h5py
@@ -269,8 +228,7 @@ def test_what_the_flow_cannot_follow_is_warned_of():
 
 
 def drawdown(more: str) -> clast.Case:
-    text = CASE.format(opening="", head=7.3)
-    return clast.Case.from_text(text + more, "case")
+    return clast.Case.from_text(rock() + lakes() + DRAINED + more, "case")
 
 
 @pytest.mark.filterwarnings("ignore::clast.RunWarning")
