@@ -140,3 +140,26 @@ volume = 0.5
         assert one.course.tally[2] == path.REST
         assert one.course.clock[0] < 10.0
         assert ledger_error(one.course) < 1e-12
+
+
+CLIFF = [(-9.0, 5.0), (0.0, 5.0), (0.0, 0.0), (30.0, 0.0)]
+
+
+@pytest.mark.parametrize(("speed", "tan"), [(4.0, 0.2), (8.0, 0.1)])
+def test_a_rock_slides_over_an_edge_and_falls(speed: float, tan: float) -> None:
+    """Its front struck the edge as a wall, and it was drawn along a line to its next blow."""
+    course, _last, _rock = followed(
+        [-3.0, 5.5, 0.0, speed, 0.0, 0.0], profile=CLIFF, rows=[surface(0.0, tan)]
+    )
+    records = course.records[: course.tally[0]]
+    landing = next(k for k, one in enumerate(records) if one[path.Y] < 1.0)
+    assert records[:landing, path.LOST].max() < 0.1  # J of 20 kJ and more
+    slides = records[(records[:, path.X] > -0.9) & (records[:, path.X] < -0.45)]
+    gone = (slides[:, path.X] + 3.0) * 2.0 * 9.8 * tan
+    assert slides[:, path.AFTER] ** 2 == pytest.approx(speed**2 - gone, rel=1e-2)
+    row, blow = records[landing - 1], records[landing]
+    assert (row[path.KIND], blow[path.KIND]) == (path.START, path.BLOW)
+    span = blow[path.CLOCK] - row[path.CLOCK]
+    fallen = row[path.Y] + span * row[path.AFTER + 1] - 0.5 * 9.8 * span**2
+    assert blow[path.Y] == pytest.approx(fallen, abs=1e-9)
+    assert ledger_error(course) < 1e-12

@@ -152,7 +152,9 @@ def least_gap(ground, rock, state, pairs):
     for p in range(len(pairs)):
         kind, i, k = pairs[p]
         seen = frame(ground, rock, state, kind, i, k)
-        if seen[5] >= 0.0 and seen[4] < least and is_before(ground, state, kind, k):
+        if seen[5] < 0.0 or seen[4] >= least:
+            continue
+        if is_before(ground, state, kind, k, seen[0], seen[1]):
             least = seen[4]
     return least
 

@@ -72,7 +72,7 @@ def first_touch(ground, rock, state, gravity, pair, span):
         seen = frame(ground, rock, there, kind, i, k)
         gap, rate = seen[4], rate_of(ground, there, kind, k, seen)
         if gap <= exact and gap > -touch and rate < 0.0:
-            if seen[5] >= -touch and is_before(ground, there, kind, k):
+            if seen[5] >= -touch and is_before(ground, there, kind, k, seen[0], seen[1]):
                 return time - gap / rate  # a last step of Newton's method
         closing = gap > exact and rate < 0.0
         if gap < -exact:

@@ -14,6 +14,8 @@ from clast.trajectory.ground import CLOSE, ROUND_OFF, distance_to
 
 ON_SEGMENT, ON_EDGE = 0, 1
 """A rock's corner i on segment k; corner k of the profile on a rock's edge i."""
+BESIDE = 1e-6
+"""Sine of the angle by which a normal at a corner may lie beside those of its segments."""
 MOST = 16
 """Contacts at a time, at most."""
 
@@ -48,13 +50,15 @@ def frame(ground, rock, state, kind, i, k):
 
 
 @kernel()
-def is_before(ground, state, kind, k):
+def is_before(ground, state, kind, k, nx, ny):
     """Return whether the centroid is on the air's side of a pair's segment.
 
-    A convex rock that touches a segment is there as a whole.
+    A convex rock that touches a segment is there as a whole.  At a corner of the profile the normal
+    lies between those of its segments: the front of a rock that slides over it strikes nothing.
     """
     if kind == ON_EDGE:
-        return True
+        one, other = ground.way[ground.beside[k, 0]], ground.way[ground.beside[k, 1]]
+        return nx * one[0] + ny * one[1] >= -BESIDE and nx * other[0] + ny * other[1] <= BESIDE
     dx, dy = state[0] - ground.start[k, 0], state[1] - ground.start[k, 1]
     return dx * ground.normal[k, 0] + dy * ground.normal[k, 1] > 0.0
 
@@ -111,8 +115,8 @@ def touching(ground, rock, state, broken):
     count = 0
     for p in range(len(near)):
         kind, i, k = near[p]
-        _nx, _ny, _rx, _ry, gap, margin = frame(ground, rock, state, kind, i, k)
-        if abs(gap) <= touch and margin >= -touch and is_before(ground, state, kind, k):
+        nx, ny, _rx, _ry, gap, margin = frame(ground, rock, state, kind, i, k)
+        if abs(gap) <= touch and margin >= -touch and is_before(ground, state, kind, k, nx, ny):
             if count < MOST:
                 near[count] = near[p]
                 count += 1

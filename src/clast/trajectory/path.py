@@ -27,7 +27,7 @@ REST, LEFT, HELD, TIME = range(4)
 FLIES, BEARS, STOPS = range(3)
 """Next motion of a rock: it flies, moves in contact with the profile, or stops."""
 START, BLOW, ON_GROUND, END = range(4)
-"""Kinds of records."""
+"""Kinds of records; a start is that of the path, or of a flight off the ground."""
 KIND, CLOCK, X, Y, ANGLE, BEFORE, AFTER, FACE, BARRIER, LOST = 0, 1, 2, 3, 4, 5, 8, 11, 12, 13
 """Columns of records (14): time, s, centroid, m, angle, rad, velocity and spin before and after (3
 each), m/s and rad/s, segment, barrier, and energy lost in a blow, J."""
@@ -297,6 +297,7 @@ def bear(ground, rock, course, state, gravity, pairs, contacts):
         stay = which_bear(ground, rock, state, pairs, contacts)
         if not stay.all():
             pairs, contacts, slipping = pairs[stay], contacts[stay], slipping[stay]
+    write(course, START, state, state, -1, -1, 0.0)
     return FLIES
 
 
