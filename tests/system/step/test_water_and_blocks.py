@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import clast
 from clast.run.flow_warnings import flow_warnings
+from clast.verification.problems.water import flow_follows
 from clast.verification.problems.water.flow_coupled import (
     BULK,
     LOAD,
@@ -98,6 +101,30 @@ def test_mirrored_joints_have_mirrored_pressures(ratio):
     places = np.array([0.0, 1.0, 2.5, 3.0, 5.0])
     known = pressures("left", places)
     assert pressures("right", 5.0 - places[::-1])[::-1] == pytest.approx(known, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "same"),
+    [
+        ({"angle": 37.0}, 1e-9),
+        ({"angle": 90.0}, 1e-12),
+        ({"mirrored": True}, 1e-12),
+        ({"order": np.random.default_rng(3).permutation(20)}, 1e-12),
+    ],
+    ids=["turned", "turned upright", "mirrored", "renumbered"],
+)
+def test_blocks_and_water_are_the_same(given, same):
+    def found(**given) -> np.ndarray:
+        model = flow_follows.model_of(20, **given)
+        whole = {"state": "transient", "coupling": "full", "initial": "hydrostatic", "level": 0.0}
+        model = replace(model, flow=replace(model.flow, **whole))
+        run = flow_follows.at_rest(model, end=1e3, step=1e2)
+        flow = flow_follows.through(run) / flow_follows.FLOW
+        return np.array([flow, *np.sort(water_of(run).solved.pressure / 1e5)])
+
+    known = found()
+    assert 0.9 < known[0] < 1.0
+    assert found(**given) == pytest.approx(known, rel=0.0, abs=same)
 
 
 def test_a_pump_draws_no_more_than_a_joint_holds():
