@@ -34,6 +34,10 @@ BYTES_MAX = 5_000_000
 """Greatest length of a text from a window."""
 
 
+class NoSuchRequest(LookupError):
+    """A request that a window never makes."""
+
+
 class Asked(BaseModel):
     """A request of a window, of one version of the text."""
 
@@ -62,7 +66,10 @@ class EditServer(GuardedServer):
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
 
     def do(self, way: str, asked: Asked) -> None:
-        """Carry out a request of a window; raises CaseError where it cannot be done."""
+        """Carry out a request of a window; raises CaseError where it cannot be done.
+
+        Raises NoSuchRequest where there is no such way.
+        """
         document, version = self.document, asked.version
         # fields of browsers know one end of lines only
         text = asked.text.replace("\n", "\r\n") if "\r\n" in document.text else asked.text
@@ -77,6 +84,8 @@ class EditServer(GuardedServer):
             "/keep-mine": document.keep_mine,
             "/keep-theirs": document.keep_theirs,
         }
+        if way not in ways:
+            raise NoSuchRequest
         with self.changed:
             ways[way]()
             self._touched = time.monotonic()
@@ -170,7 +179,7 @@ class EditHandler(GuardedHandler):
             return
         try:
             self.server.do(self.path, Asked.model_validate_json(body))
-        except KeyError:
+        except NoSuchRequest:
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such request")
         except ValidationError:
             self.refuse(HTTPStatus.BAD_REQUEST, "this is no request of a window")

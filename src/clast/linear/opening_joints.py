@@ -17,8 +17,9 @@ is convex, and its slope is -p: the term in d is convex and once continuously di
 springs of contacts are.  A is an M-matrix, so that the nodes between their bounds are found in a
 few solutions (primal-dual active sets; Hintermueller, Ito & Kunisch 2003).
 
-Nodes are taken together by six, so that the matrices of blocks (linear/ldlt.py) serve for them:
-their pattern depends on the network alone, and a node at a bound has a row and a column of its own.
+Nodes are taken together by six, as many as a block has unknowns, so that the matrices of blocks
+(linear/ldlt.py) serve for them: their pattern depends on the network alone, and a node at a bound
+has a row and a column of its own.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from clast.compute.jit import kernel
+from clast.compute.vec6 import UNKNOWNS
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import ldlt
 from clast.linear.pattern import with_fill
@@ -36,8 +38,6 @@ from clast.model.arrays import Bools, Floats, Ints
 
 SETS_MAX = 60
 """Sets of nodes between their bounds that are tried."""
-SIX = 6
-"""Nodes in a group: as many as a block has unknowns."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -69,7 +69,7 @@ class Channels:
     def of(cls, count: int, ends: Ints, node: Ints, block: Ints) -> Channels:
         """Return those between ``count`` nodes."""
         place = _placed(count, ends)
-        group = place // SIX
+        group = place // UNKNOWNS
         groups = int(group.max(initial=-1)) + 1
         both = np.sort(group[ends], axis=1)
         joins = both[:, 0] != both[:, 1]
@@ -107,17 +107,17 @@ def _placed(count, ends):
         for end in range(2):
             neighbour[at[ends[k, end]]] = ends[k, 1 - end]
             at[ends[k, end]] += 1
-    place, queue, group = np.full(count, -1), np.empty(SIX, np.int64), 0
+    place, queue, group = np.full(count, -1), np.empty(UNKNOWNS, np.int64), 0
     for first in range(count):
         if place[first] >= 0:
             continue
         queue[0], number, head = first, 1, 0
-        place[first] = SIX * group
+        place[first] = UNKNOWNS * group
         while head < number:
             for near in range(start[queue[head]], start[queue[head] + 1]):
                 other = neighbour[near]
-                if place[other] < 0 and number < SIX:
-                    queue[number], place[other] = other, SIX * group + number
+                if place[other] < 0 and number < UNKNOWNS:
+                    queue[number], place[other] = other, UNKNOWNS * group + number
                     number += 1
             head += 1
         group += 1
@@ -130,7 +130,7 @@ def _opened(node, block, rows, displacement, count):
     result = np.zeros(count)
     for e in range(len(node)):
         s = 0.0
-        for a in range(SIX):
+        for a in range(UNKNOWNS):
             s += rows[e, a] * displacement[block[e], a]
         result[node[e]] += s
     return result
@@ -139,9 +139,9 @@ def _opened(node, block, rows, displacement, count):
 @kernel()
 def pushed(block, rows, weight, count):
     """Return the sums (n, 6) of ``rows`` (e, 6) times ``weight`` (e,) on blocks."""
-    result = np.zeros((count, SIX))
+    result = np.zeros((count, UNKNOWNS))
     for e in range(len(block)):
-        for a in range(SIX):
+        for a in range(UNKNOWNS):
             result[block[e], a] += weight[e] * rows[e, a]
     return result
 
@@ -161,42 +161,42 @@ def _times(ends, between, own, pressure):
 def _grouped(ends, between, own, free, plan):
     """Return A as blocks of groups (g, 6, 6) and of their pairs (q, 6, 6)."""
     groups, place, pair, number = plan
-    diagonal, upper = np.zeros((groups, SIX, SIX)), np.zeros((number, SIX, SIX))
+    diagonal, upper = np.zeros((groups, UNKNOWNS, UNKNOWNS)), np.zeros((number, UNKNOWNS, UNKNOWNS))
     for g in range(groups):
-        for a in range(SIX):
+        for a in range(UNKNOWNS):
             diagonal[g, a, a] = own[0]
     for n in range(len(own)):
-        diagonal[place[n] // SIX, place[n] % SIX, place[n] % SIX] = own[n]
+        diagonal[place[n] // UNKNOWNS, place[n] % UNKNOWNS, place[n] % UNKNOWNS] = own[n]
     for k in range(len(ends)):
         if free[ends[k, 0]] and free[ends[k, 1]]:
             i, j = place[ends[k, 0]], place[ends[k, 1]]
             if pair[k] < 0:
-                diagonal[i // SIX, i % SIX, j % SIX] -= between[k]
-                diagonal[i // SIX, j % SIX, i % SIX] -= between[k]
+                diagonal[i // UNKNOWNS, i % UNKNOWNS, j % UNKNOWNS] -= between[k]
+                diagonal[i // UNKNOWNS, j % UNKNOWNS, i % UNKNOWNS] -= between[k]
             else:
                 low, high = min(i, j), max(i, j)
-                upper[pair[k], low % SIX, high % SIX] -= between[k]
+                upper[pair[k], low % UNKNOWNS, high % UNKNOWNS] -= between[k]
     return diagonal, upper
 
 
 @kernel()
 def _put(place, free, values, groups):
     """Return values of free nodes (m,) by groups, (g, 6), 0 elsewhere."""
-    result = np.zeros((groups, SIX))
+    result = np.zeros((groups, UNKNOWNS))
     for n in range(len(place)):
         if free[n]:
-            result[place[n] // SIX, place[n] % SIX] = values[n]
+            result[place[n] // UNKNOWNS, place[n] % UNKNOWNS] = values[n]
     return result
 
 
 @kernel()
 def _openings(touch, place, rows, free, fixed, number):
     """Return -V^T as blocks (r, 6, 6) of pairs of a block and a group."""
-    (pair, node, block), result = touch, np.zeros((number, SIX, SIX))
+    (pair, node, block), result = touch, np.zeros((number, UNKNOWNS, UNKNOWNS))
     for e in range(len(pair)):
         if free[node[e]] and not fixed[block[e]]:
-            for a in range(SIX):
-                result[pair[e], a, place[node[e]] % SIX] -= rows[e, a]
+            for a in range(UNKNOWNS):
+                result[pair[e], a, place[node[e]] % UNKNOWNS] -= rows[e, a]
     return result
 
 

@@ -12,23 +12,16 @@ SLOPE = TEMPLATES["slope"]
 
 
 @pytest.fixture
-def window(tmp_path):
+def window(opened, tmp_path):
     """Return the window of the slope, and its file."""
-    playwright = pytest.importorskip("playwright.sync_api")
     path = tmp_path / "slope.toml"
     path.write_text(SLOPE, "utf-8", newline="")
     check(SLOPE, str(path))  # kernels are compiled before the window is waited for
-    said = []
-    with playwright.sync_playwright() as started, edited_file(path) as server:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--disable-gpu"])
-        page = browser.new_page(viewport={"width": 1400, "height": 800})
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.goto(server.address)
+    with edited_file(path) as server:
+        page = opened(server)
         until(page, "globalThis.clastEditor?.section.run?.blockCount === 23")
         yield page, path
-        browser.close()
-    assert said == []
+        page.close()
 
 
 def colour_above(page, point):
