@@ -18,9 +18,10 @@ def surface(
     tangential: float = 0.0,
     arm: float = 0.0,
     roughness: float = 0.0,
+    spacing: float = 0.0,
 ) -> list[float]:
     """Rows of the deck of a surface of constants; ``friction`` is tan(phi)."""
-    return [restitution, 1.0 - tangential, friction, friction, arm, roughness, np.inf]
+    return [restitution, 1.0 - tangential, friction, friction, arm, roughness, np.inf, spacing]
 
 
 def regular(count: int, radius: float = 0.5) -> list[tuple[float, float]]:
@@ -66,7 +67,7 @@ def followed(
         ledger=np.zeros(6),
         largest=np.full(5, np.nan),
         clock=np.array([0.0, limit]),
-        counter=np.array([seed], np.uint64),
+        counter=np.array([seed, seed], np.uint64),
     )
     path.follow(ground, rock, course, last, np.array(gravity, float))
     return course, last, rock

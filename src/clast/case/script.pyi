@@ -275,6 +275,7 @@ class ModelBuilder:
         friction_angle: float | str | None = None,
         rolling_resistance: float | str = 0.0,
         roughness: float | str = 0.0,
+        roughness_spacing: float | None = None,
         speed_scaling: float | str | None = None,
     ) -> str:
         """A surface of the profile, as rocks bounce, slide and roll on it.
@@ -286,6 +287,7 @@ class ModelBuilder:
             friction_angle: Friction angle, degrees, which bounds the tangential impulse; arctan((1 - R_t)/R_t) for sliding, and 84 for blows, if absent.
             rolling_resistance: Moment arm of the normal force, m.
             roughness: Standard deviation of the angle of the face that a corner strikes, degrees.
+            roughness_spacing: Length along the profile of facets that have one angle in all blows of a path, m; each blow has an angle of its own if absent.
             speed_scaling: Normal speed K at which R_n halves, m/s: R_n/(1 + (v/K)^2), Pfeiffer and Bowen 1989.
         """
         ...

@@ -41,6 +41,7 @@ from clast.trajectory.ground import (
     ROUGHEST,
     ROUGHNESS,
     SLIDING,
+    SPACING,
     SPEED,
     STICKING,
 )
@@ -217,6 +218,9 @@ class Surface(Table):
     """Moment arm of the normal force, m."""
     roughness: Annotated[Varied, between(0.0, 60.0)] = 0.0
     """Standard deviation of the angle of the face that a corner strikes, degrees."""
+    roughness_spacing: Length | None = None
+    """Length along the profile of facets that have one angle in all blows of a path, m; each blow
+    has an angle of its own if absent."""
     speed_scaling: Annotated[Varied, between(1e-3, 1e6)] | None = None
     """Normal speed K at which R_n halves, m/s: R_n/(1 + (v/K)^2), Pfeiffer and Bowen 1989."""
 
@@ -225,11 +229,14 @@ class Surface(Table):
         if self.tangential_restitution is None and self.friction_angle is None:
             what = "has neither tangential_restitution nor friction_angle"
             raise refusal(what, "give one of them, or both")
+        if self.roughness_spacing is not None and "roughness" not in self.model_fields_set:
+            what, remedy = "is given without roughness", "give the roughness, or leave it out"
+            raise refusal(what, remedy, "roughness_spacing")
         return self
 
     def decks(self) -> Floats:
-        """Return the values that are drawn of each property, (7, DECK)."""
-        rows = np.zeros((7, len(deck_of(0.0))))
+        """Return the values that are drawn of each property, (8, DECK)."""
+        rows = np.zeros((8, len(deck_of(0.0))))
 
         def deck(value: float | str) -> Floats:
             return deck_of(quantity(value))
@@ -246,6 +253,7 @@ class Surface(Table):
             rows[FRICTION] = rows[SLIDING] = np.tan(np.radians(deck(self.friction_angle)))
         rows[ARM] = deck(self.rolling_resistance)
         rows[ROUGHNESS] = np.radians(deck(self.roughness))
+        rows[SPACING] = self.roughness_spacing or 0.0
         rows[SPEED] = np.inf if self.speed_scaling is None else deck(self.speed_scaling)
         return rows
 

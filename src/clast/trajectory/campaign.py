@@ -188,7 +188,7 @@ class Campaign:
             ledger=np.zeros(6),
             largest=np.full(5, np.nan),
             clock=np.array([0.0, self.time_limit]),
-            counter=np.array([seed], np.uint64),
+            counter=np.array([seed, seed], np.uint64),
         )
 
 

@@ -81,6 +81,16 @@ def face_of(ground, kind, k, nx, ny):
 
 
 @kernel()
+def place_along(ground, state, pair, rx, ry):
+    """Return the place of a pair along the profile, m; the arm (rx, ry) leads to it."""
+    kind, _i, k = pair
+    if kind != ON_SEGMENT:
+        return ground.along[ground.beside[k, 1]]
+    dx, dy = state[0] + rx - ground.start[k, 0], state[1] + ry - ground.start[k, 1]
+    return ground.along[k] + dx * ground.way[k, 0] + dy * ground.way[k, 1]
+
+
+@kernel()
 def pairs_within(ground, rock, state, broken, reach):
     """Return the pairs (p, 3) of kind, i and k that are within ``reach`` of the rock's circle.
 

@@ -11,10 +11,10 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.model.model import Floats, Ints
 
-RESTITUTION, STICKING, FRICTION, SLIDING, ARM, ROUGHNESS, SPEED = range(7)
+RESTITUTION, STICKING, FRICTION, SLIDING, ARM, ROUGHNESS, SPEED, SPACING = range(8)
 """Rows of the decks of a surface: R_n; the share 1 - R_t of the sticking impulse; tan(phi) of
 blows; tan(phi) of sliding; moment arm of rolling resistance, m; standard deviation of the angle of
-the face, rad; normal speed at which R_n halves, m/s."""
+the face, rad; normal speed at which R_n halves, m/s; length of facets with one angle, m, or 0."""
 DECK = 1000
 """Values of a distribution: its quantiles at (k + 1/2)/DECK, drawn with equal chances."""
 ROUGHEST, ROUGH = 1e9, 10.0
@@ -38,6 +38,8 @@ class Ground(NamedTuple):
     """Unit normal of each segment, into the air, (k, 2)."""
     length: Floats
     """Length of each segment, m, (k,)."""
+    along: Floats
+    """Place of the first point of each segment along all of them, one after the other, m, (k,)."""
     surface: Ints
     """Surface of each segment, (k,)."""
     barrier: Ints
@@ -47,7 +49,7 @@ class Ground(NamedTuple):
     beside: Ints
     """Segments before and after each corner, (c, 2)."""
     decks: Floats
-    """Values of each property of each surface, (surfaces, 7, DECK)."""
+    """Values of each property of each surface, (surfaces, 8, DECK)."""
     capacity: Floats
     """Energy that each barrier takes, J; infinite: a wall that stands, (barriers,)."""
     stations: Floats
@@ -99,6 +101,7 @@ def ground_of(
         way=ways,
         normal=np.stack([-ways[:, 1], ways[:, 0]], axis=1),
         length=np.concatenate(length),
+        along=np.cumsum(np.concatenate([[0.0], *length]))[:-1],
         surface=np.array(surface, np.int64),
         barrier=np.array(barrier, np.int64),
         corner=np.array(corner, np.float64).reshape(-1, 2),

@@ -16,17 +16,18 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.trajectory.gaps import barrier_of, face_of, frame
+from clast.trajectory.gaps import barrier_of, face_of, frame, place_along
 from clast.trajectory.ground import (
     ARM,
     FRICTION,
     RESTITUTION,
     ROUGHNESS,
     SLIDING,
+    SPACING,
     SPEED,
     STICKING,
 )
-from clast.trajectory.random_numbers import drawn, normal
+from clast.trajectory.random_numbers import drawn, normal, stream, uniform
 
 NX, NY, RX, RY, NORMAL_TARGET, SLIP_TARGET, STICKS, TAN, SLIDE, ROLL, N, T, MOMENT = range(13)
 """Columns of contacts: normal, arm, m, velocities to be reached, m/s, share of the sticking
@@ -131,6 +132,21 @@ def total_energy(velocity, rock):
 
 
 @kernel()
+def face_turn(decks, place, counter):
+    """Return the angle by which a rough face is turned at a place along the profile, rad.
+
+    ``decks`` (8, DECK) are those of its surface.  Facets have one angle in all blows of a path; the
+    first begins at random, so blows at a distance d strike the same one with the chance 1 - d/s.
+    """
+    spacing = decks[SPACING, 0]
+    if spacing > 0.0:
+        seed, kind = counter[1], 1e6 * spacing  # other facets for each length
+        facet = np.floor(place / spacing + uniform(stream(seed, kind, 0)))
+        counter = stream(seed, kind, 1 + facet)
+    return drawn(decks[ROUGHNESS], counter) * normal(counter)
+
+
+@kernel()
 def drawn_contacts(ground, rock, state, pairs, counter, rough, gentle):
     """Return the contacts (p, 13) of pairs that touch, with properties of their surfaces, drawn.
 
@@ -145,7 +161,7 @@ def drawn_contacts(ground, rock, state, pairs, counter, rough, gentle):
         one = contacts[j]
         one[NX], one[NY], one[RX], one[RY] = nx, ny, rx, ry
         if len(pairs) == 1 and barrier_of(ground, kind, k) < 0 and decks[ROUGHNESS, -1] > 0.0:
-            turn = rough * drawn(decks[ROUGHNESS], counter) * normal(counter)
+            turn = rough * face_turn(decks, place_along(ground, state, pairs[j], rx, ry), counter)
             c, s = np.cos(turn), np.sin(turn)
             one[NX], one[NY] = c * nx - s * ny, s * nx + c * ny
             un, ut = contact_speeds(one, state[3:])

@@ -73,7 +73,7 @@ class Course(NamedTuple):
     clock: Floats
     """Time, and the limit of it, s, (2,)."""
     counter: Ints
-    """Counter of random numbers, (1,)."""
+    """Counter of random numbers, and the path's seed, (2,)."""
 
 
 @kernel()

@@ -15,14 +15,25 @@ BITS = (np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11))
 
 
 @kernel()
-def uniform(counter):
-    """Return the next number in [0, 1) of a counter (1,) of 64 bits, which moves on."""
-    counter[0] += GOLDEN
-    z = counter[0]
+def mixed(z):
+    """Return 64 bits that depend on each of 64 bits."""
     z = (z ^ (z >> BITS[0])) * FIRST
     z = (z ^ (z >> BITS[1])) * SECOND
-    z = z ^ (z >> BITS[2])
-    return np.float64(z >> BITS[3]) * 2.0**-53
+    return z ^ (z >> BITS[2])
+
+
+@kernel()
+def stream(seed, kind, number):
+    """Return the counter (1,) of the numbers that belong to a seed and two whole numbers."""
+    made = mixed(mixed(mixed(np.uint64(seed)) + np.uint64(kind)) + np.uint64(number))
+    return np.array([made])
+
+
+@kernel()
+def uniform(counter):
+    """Return the next number in [0, 1) of a counter of 64 bits, which moves on."""
+    counter[0] += GOLDEN
+    return np.float64(mixed(counter[0]) >> BITS[3]) * 2.0**-53
 
 
 @kernel()
