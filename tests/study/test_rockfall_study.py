@@ -111,7 +111,9 @@ def test_a_study_in_pieces_has_the_tables_of_one_as_a_whole(results, tmp_path, m
     case, folder = clast.Case.from_text(TEXT, "rocks.toml"), tmp_path / "out"
     clast.rockfall(case, folder, array=(2, 3))
     assert not (folder / "paths.csv").exists()
-    next(folder.glob("runs/*/*/paths.npz")).write_bytes(b"damaged")
+    for name in ("paths.npz", "blows.csv"):
+        clast.rockfall(case, folder, array=(1, 3))
+        next(folder.glob(f"runs/*/*/{name}")).write_bytes(b"damaged")
     other = clast.rockfall(case, folder, workers=1)
     for name in ("paths", "blows", "stations", "barriers"):
         ours = (results.folder / f"{name}.csv").read_bytes()

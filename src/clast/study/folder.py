@@ -51,6 +51,8 @@ RUN_FILE = "run.vtkhdf"
 ASKED = "asked.jsonl"
 ARRAYS = "paths.npz"
 """Arrays of a portion of paths."""
+BLOWS = "blows.csv"
+"""Blows of a portion of paths: rows of the table of all."""
 RUNS_PER_FOLDER = 10_000
 DONE, NO_RESULT = "done", "no result"
 """Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
@@ -339,7 +341,7 @@ class StudyFolder:
         if study.kind == COLLAPSE:
             return "trial" in result
         if study.kind == ROCKFALL:
-            return result.get("status") == NO_RESULT or self._has_arrays(result, run)
+            return result.get("status") == NO_RESULT or self._has_files(result, run)
         given, measures = result.get("parameters"), result.get("measures")
         planned = dict(zip((one.name for one in study.vary), self.values(run), strict=True))
         if not isinstance(given, dict) or set(given) != set(planned):
@@ -360,10 +362,13 @@ class StudyFolder:
         is_whole = len(numbers) == len(measures)
         return is_whole and (not study.fail or isinstance(result.get("fails"), bool))
 
-    def _has_arrays(self, result: dict[str, Any], run: int) -> bool:
-        """Return whether the arrays of a portion of paths are those of its result."""
-        content = content_of_file(self.place(run) / ARRAYS, RESULT_BYTES_MAX)
-        return "rows" in result and result.get("arrays") == sha256(content).hexdigest()
+    def _has_files(self, result: dict[str, Any], run: int) -> bool:
+        """Return whether the files of a portion of paths are those of its result."""
+        hashes = {
+            name: sha256(content_of_file(self.place(run) / name, RESULT_BYTES_MAX)).hexdigest()
+            for name in (ARRAYS, BLOWS)
+        }
+        return "rows" in result and result.get("files") == hashes
 
 
 MOVED = "the folder of the study is not whole: it holds base/ with the case and its files"

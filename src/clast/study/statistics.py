@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from clast.errors import CaseError, shortened
 from clast.model.distributions import Value
@@ -172,7 +172,7 @@ def interval_of_count(columns: StudyResults, count: int) -> tuple[float, float] 
 
 def wilson(failed: int, runs: int) -> tuple[float, float]:
     """Return Wilson's interval of a probability, of ``failed`` in so many independent runs."""
-    z = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE))
+    z = float(special.ndtri(0.5 + 0.5 * CONFIDENCE))
     share = failed / runs
     middle = (share + z * z / (2.0 * runs)) / (1.0 + z * z / runs)
     half = z * math.sqrt(share * (1.0 - share) / runs + (z / (2.0 * runs)) ** 2)
@@ -190,7 +190,7 @@ def _of_replicates(columns: StudyResults) -> tuple[float, float]:
     shares = np.array([columns.fails[group == one].mean() for one in used])
     if len(used) < 2:
         return 0.0, 1.0
-    t = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(used) - 1))
+    t = float(special.stdtrit(len(used) - 1, 0.5 + 0.5 * CONFIDENCE))
     half = t * float(shares.std(ddof=1)) / math.sqrt(len(used))
     mean, more = float(shares.mean()), columns.lost / (len(columns.run) + columns.lost)
     if half == 0.0:
@@ -220,6 +220,8 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     The number of a run orders nothing: a parameter that is one is left out.  Runs on a grid of few
     values have none, and no sweep whose runs lie on one curve, which says more.
     """
+    from scipy.stats import spearmanr  # slow to load, and workers do not need it
+
     study = columns.study
     is_curve = study.kind == SWEEP and (
         study.together or sum(len(one) > 1 for one in study.lists) < 2
@@ -236,7 +238,7 @@ def influences(columns: StudyResults, values: Floats) -> list[Influence]:
         if len(x) < 2 or np.ptp(x) == 0.0:
             continue
         low, high = np.quantile(x, (TAIL_FRACTION, 1.0 - TAIL_FRACTION))
-        rank = float(stats.spearmanr(x, y).statistic) if np.ptp(y) > 0.0 else math.nan
+        rank = float(spearmanr(x, y).statistic) if np.ptp(y) > 0.0 else math.nan
         listed.append(
             Influence(
                 parameter=name,

@@ -43,7 +43,7 @@ def _path(results: RockfallResults, row: int) -> dict[str, Any]:
     """
     number = results.paths["path"][row]
     rock = results.campaign.begin(number).rock
-    records = results.records[results.records[:, 0] == number, 1:]
+    records = results.course(row)
     rows = records[:, COLUMNS].copy()
     rows[:, 1:3] += results.campaign.origin
     flies = (records[:, path.KIND] != path.ON_GROUND).astype(np.float64)

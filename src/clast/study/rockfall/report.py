@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,20 +37,19 @@ ENVELOPES = {
 
 def path_lines(results: RockfallResults) -> list[Floats]:
     """Return the first paths as lines (n, 2), m: parabolas in flight, straight on the ground."""
-    records, gravity = results.records, results.campaign.gravity
-    lines = []
-    for number in np.unique(records[:, 0])[:PATHS_DRAWN]:
-        rows, points = records[records[:, 0] == number, 1:], []
-        for one, after in pairwise(rows):
-            place, span = one[[path.X, path.Y]], after[path.CLOCK] - one[path.CLOCK]
-            if one[path.KIND] == path.ON_GROUND:
-                points.append(place[None])
-                continue
-            time = span * np.linspace(0.0, 1.0, PER_FLIGHT)[:, None]
-            speed = one[path.AFTER : path.AFTER + 2]
-            points.append(place + time * speed + 0.5 * time**2 * gravity)
-        points.append(rows[-1, [path.X, path.Y]][None])
-        lines.append(np.concatenate(points) + results.campaign.origin)
+    gravity, lines = results.campaign.gravity, []
+    for number in range(min(PATHS_DRAWN, len(results))):
+        rows = results.course(number)
+        flies = rows[:-1, path.KIND] != path.ON_GROUND
+        span = np.where(flies, np.diff(rows[:, path.CLOCK]), 0.0)
+        time = (span[:, None] * np.linspace(0.0, 1.0, PER_FLIGHT))[:, :, None]
+        place, speed = (
+            rows[:-1, None, path.X : path.Y + 1],
+            rows[:-1, None, path.AFTER : path.AFTER + 2],
+        )
+        points = place + time * speed + 0.5 * time**2 * gravity
+        points = np.concatenate([points.reshape(-1, 2), rows[-1:, path.X : path.Y + 1]])
+        lines.append(points + results.campaign.origin)
     return lines
 
 

@@ -9,10 +9,9 @@ Heights are those of centroids above the profile, m; energies in J, speeds in m/
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +20,12 @@ import numpy as np
 from clast.case.api import case_of
 from clast.case.case_file import Case
 from clast.errors import shortened
-from clast.model.model import Floats
-from clast.rockmass.drawings.drawing_files import write_rows
+from clast.model.model import Floats, Ints
+from clast.rockmass.drawings.drawing_files import replaced, write_rows
 from clast.study import study_api
-from clast.study.folder import ARRAYS, StudyFolder, writing
+from clast.study.folder import ARRAYS, BLOWS, StudyFolder, writing
 from clast.study.rockfall.hand_over import hand_over
-from clast.study.rockfall.portions import study_of
+from clast.study.rockfall.portions import BLOW_COLUMNS, blow_rows, study_of
 from clast.study.study_api import HowMade
 from clast.study.trial_table import pyarrow_for
 from clast.trajectory import path
@@ -36,10 +35,6 @@ QUANTITIES = ("height", "translational", "rotational", "energy", "speed")
 """Measured at stations, in the order of their columns."""
 SHARES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
 """Percentiles of all quantities."""
-BLOW_COLUMNS = (
-    *("path", "time", "x", "y", "angle", "surface", "block"),
-    *("vx_before", "vy_before", "spin_before", "vx_after", "vy_after", "spin_after", "lost"),
-)
 Row = dict[str, Any]
 BARRIER_HEADS = {
     "name": "barrier",
@@ -107,19 +102,23 @@ class RockfallResults:
     """Path, station and largest values of each passage, (q, 7)."""
     hits: Floats
     """Path, barrier, time, height, energy, speed and whether it held, (h, 7)."""
+    portions: tuple[Path, ...]
+    """Folders of the portions of paths."""
 
     @classmethod
     def of(cls, folder: StudyFolder) -> RockfallResults:
         """Return the finished paths of a study."""
-        rows, parts = list[list[Any]](), list[Mapping[str, Floats]]()
+        rows, parts, portions = list[list[Any]](), list[Mapping[str, Floats]](), list[Path]()
         for result in folder.results():
             if "rows" in result:
                 rows += result["rows"]
-                with np.load(folder.place(result["run"]) / ARRAYS) as kept:
+                portions.append(folder.place(result["run"]))
+                with np.load(portions[-1] / ARRAYS) as kept:
                     parts.append(dict(kept))
         columns = {name: [row[k] for row in rows] for k, name in enumerate(PATH_COLUMNS)}
         arrays = joined({name: [part[name] for part in parts] for name in WIDTHS})
-        return cls(folder.path, folder.base.campaign(), columns, **arrays)
+        campaign = folder.base.campaign()
+        return cls(folder.path, campaign, columns, portions=tuple(portions), **arrays)
 
     def __len__(self) -> int:
         return len(self.paths["path"])
@@ -129,19 +128,19 @@ class RockfallResults:
         """Place x of the end of each path, m."""
         return np.array(self.paths["end_x"], np.float64)
 
+    @cached_property
+    def _begins(self) -> Ints:
+        """First record of each path, in the order of its table, and the number of all."""
+        numbers = np.ascontiguousarray(self.records[:, 0])
+        return np.append(np.searchsorted(numbers, self.paths["path"]), len(numbers))
+
+    def course(self, row: int) -> Floats:
+        """Return the records of the path in a row of the table, from 0, (r, 14)."""
+        return self.records[self._begins[row] : self._begins[row + 1], 1:]
+
     def blows(self) -> Iterator[list[Any]]:
         """Give the rows of the table of blows, in the order of paths and times."""
-        campaign, (x, y) = self.campaign, self.campaign.origin
-        for one in self.records[self.records[:, 1 + path.KIND] == path.BLOW]:
-            number, values = int(one[0]), one[1:]
-            face, barrier = int(values[path.FACE]), int(values[path.BARRIER])
-            surface = campaign.surfaces[campaign.ground.surface[face]]
-            named = campaign.barriers[barrier] if barrier >= 0 else surface
-            place = (values[path.CLOCK], values[path.X] + x, values[path.Y] + y)
-            rest = values[[*range(path.BEFORE, path.FACE), path.LOST]]
-            angle = float(np.degrees(values[path.ANGLE]))
-            block = campaign.block_of(face)
-            yield [number, *map(float, place), angle, named, block, *map(float, rest)]
+        return blow_rows(self.campaign, self.records)
 
     def stations(self) -> list[Row]:
         """Return the statistics of passages along the profile, a row for each station.
@@ -228,20 +227,23 @@ class RockfallResults:
 
         The last two only where there are such.
         """
-        tables: dict[str, tuple[Sequence[str], Iterator[Sequence[Any]]]] = {
-            "paths": (PATH_COLUMNS, zip(*self.paths.values(), strict=True)),
-            "blows": (BLOW_COLUMNS, self.blows()),
+        tables: dict[str, Iterable[Iterable[Any]]] = {
+            "paths": [PATH_COLUMNS, *zip(*self.paths.values(), strict=True)]
         }
         for name in ("stations", "barriers", "blocks"):
             found = getattr(self, name)()
             if found:
-                tables[name] = (list(found[0]), iter([list(row.values()) for row in found]))
+                tables[name] = [list(found[0]), *(row.values() for row in found)]
         files = []
-        for name, (columns, rows) in tables.items():
-            file = self.folder / f"{name}.csv"
-            with writing(self.folder):
-                write_rows(file, chain([columns], (map(_written, row) for row in rows)))
-            files.append(file)
+        with writing(self.folder):
+            for name, rows in tables.items():
+                files.append(self.folder / f"{name}.csv")
+                write_rows(files[-1], rows)
+            files.insert(1, self.folder / BLOWS)
+            with replaced(files[1]) as file:
+                file.write(f"{','.join(BLOW_COLUMNS)}\n".encode())
+                for portion in self.portions:
+                    file.write((portion / BLOWS).read_bytes())
         return files
 
     def write_parquet(self) -> list[Path]:
@@ -258,11 +260,6 @@ class RockfallResults:
                 pyarrow.parquet.write_table(pyarrow.table(values), file)
             files.append(file)
         return files
-
-
-def _written(value: Any) -> str:
-    """Return a value as CSV has it; floats keep every digit."""
-    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
 
 
 def rockfall(
