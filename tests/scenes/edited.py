@@ -20,6 +20,27 @@ def edited_file(path):
     yield server
     server.shutdown()
     stop.set()
+    server.worker.close()
     for one in threads:
         one.join()
     server.server_close()
+
+
+def rock_text(width, height):
+    """Return a case of some width times height / 2.8 blocks, m."""
+    return f"""
+title = "Rock"
+time = {{step = 1e-3, end = 0.01}}
+rock.stone = {{young = 1e9, poisson = 0.2, density = 2500.0}}
+[domain]
+boundary = [[0, 0], [{width}, 0], [{width}, {height}], [0, {height}]]
+fixed_sides = ["bottom"]
+[[joint_set]]
+name = "beds"
+angle = 5.0
+spacing = 1.5
+[[joint_set]]
+name = "cross"
+angle = 85.0
+spacing = 1.9
+"""

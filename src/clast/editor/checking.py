@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,7 @@ Stamp = tuple[tuple[int, int, int] | None, ...]
 """Time of change, size and number of files, None for one that is not there."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Checked:
     """Findings about a text; without faults there is a model of blocks, or rocks that fall."""
 
@@ -46,16 +46,21 @@ class Checked:
     files: Stamp = ()
     """Of the files that the case names."""
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether there is no more to find."""
+        return self.model is None or self.summary is not None
+
     def as_dict(self) -> dict[str, Any]:
         """Return it for JSON; ``place`` has keys and positions from 0, lines count from 1."""
-        summary = self.summary
+        summary, model = self.summary, self.model
         places = places_of(self.text) if self.content else None
         told = [self._told(one, one.what, one.remedy, places) for one in self.faults]
         warnings = summary.warnings if summary else ()
         notes = summary.notes if summary else ()
         return {
             "file": self.file,
-            "blocks": summary.blocks if summary else None,
+            "blocks": model.block_count if model else None,
             "steps": summary.steps if summary else None,
             "faults": told,
             "warnings": [self._told(one, str(one), "", places) for one in warnings],
@@ -83,37 +88,31 @@ def check(
     text: str, file: str, settings: Iterable[str] = (), before: Checked | None = None
 ) -> Checked:
     """Return the findings of `clast check` about a text as if it stood in ``file``."""
-    content: Mapping[str, Any] = {}
-    case, files = None, Stamp()
+    *_, last = checking(text, file, settings, before)
+    return last
+
+
+def checking(
+    text: str, file: str, settings: Iterable[str] = (), before: Checked | None = None
+) -> Iterator[Checked]:
+    """Give the findings of ``check``: first the blocks, where there are any, then all."""
+    found = Checked(text=text, file=file)
     try:
-        content = case_text.parse(text, file)
+        found = replace(found, content=case_text.parse(text, file))
         case = Case.from_text(text, file, settings)
-        files = stamps_of(case)
-        if before is not None and before.case is not None and before.files == files:
-            case = case.cut_as(before.case)
+        found = replace(found, case=case, files=stamps_of(case))
+        if before is not None and before.case is not None and before.files == found.files:
+            case.cut_as(before.case)
         if case.rockfall is not None:
             case.campaign()
-        model = case.model() if case.has_blocks else None
-        return Checked(
-            text=text,
-            file=file,
-            content=content,
-            case=case,
-            model=model,
-            summary=case.examine(model) if model is not None else None,
-            files=files,
-        )
+        if case.has_blocks:
+            found = replace(found, model=case.model())
+            yield found
+            found = replace(found, summary=case.examine(found.model))
+        yield found
     except CaseError as error:
         where = error.where.removeprefix(f"{file}: ") if error.where != file else ""
-        return Checked(
-            text=text,
-            file=file,
-            content=content,
-            faults=error.faults,
-            where=where,
-            case=case,
-            files=files,
-        )
+        yield replace(found, model=None, faults=error.faults, where=where)
 
 
 def stamps_of(case: Case) -> Stamp:

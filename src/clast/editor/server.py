@@ -15,11 +15,11 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from clast.case.case_file import Case, json_schema
-from clast.editor.checking import Checked, check
+from clast.editor.checking import Checked
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
-from clast.editor.section import section_of
+from clast.editor.worker import Worker, as_json
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
@@ -27,7 +27,7 @@ from clast.pictures.live.guarded import GuardedHandler, GuardedServer
 REST, LOOK = 0.3, 0.5
 """The file gets the text when the hand has rested so long, and is looked at so often, s."""
 CHECK_REST = 0.1
-"""Blocks are cut and checked when the hand has rested so long, s."""
+"""Blocks are cut and checked when the hand has rested so long, s, or as long as the last took."""
 LIFE = 5.0
 """A sign of life goes to every window at least so often, s."""
 BYTES_MAX = 5_000_000
@@ -58,12 +58,11 @@ class EditServer(GuardedServer):
         """Counts the news for windows."""
         self.trouble = ""
         """Why the file could not be read or written."""
-        self.checked: Checked | None = None
-        """The last answer of `clast check`, to a text that may be older."""
-        self.section, self.sections = "null", 0
-        """The section of that text, JSON, and how many there were."""
         self._touched = 0.0
+        self._state = (-1, "")
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
+        self.worker = Worker(str(path), self.changed, self._tell)
+        """Cuts and checks the text."""
 
     def do(self, way: str, asked: Asked) -> None:
         """Carry out a request of a window; raises CaseError where it cannot be done.
@@ -83,13 +82,17 @@ class EditServer(GuardedServer):
             "/write": document.write,
             "/keep-mine": document.keep_mine,
             "/keep-theirs": document.keep_theirs,
+            "/cut": self.worker.ask,
+            "/stop-cut": self.worker.stop,
         }
         if way not in ways:
             raise NoSuchRequest
         with self.changed:
-            ways[way]()
-            self._touched = time.monotonic()
-            self._tell()
+            try:
+                ways[way]()
+            finally:
+                self._touched = time.monotonic()
+                self._tell()
 
     def lines(self) -> list[Any]:
         """Return both ends of all lines that cut the rock mass, m; none where they are faulty."""
@@ -101,9 +104,22 @@ class EditServer(GuardedServer):
     def state(self) -> dict[str, Any]:
         """Return the content of a window, without the schema, which never changes."""
         with self.changed:
-            shown = _shown(self.document, self.checked)
-            told = {"stamp": self.stamp, "sections": self.sections, "trouble": self.trouble}
-            return {**shown, **told}
+            worker = self.worker
+            return {
+                **_shown(self.document, worker),
+                "stamp": self.stamp,
+                "sections": worker.sections,
+                "trouble": self.trouble,
+                "is_cutting": worker.is_busy,
+                "off": worker.off,
+            }
+
+    def news(self) -> str:
+        """Return the state as JSON, which is made once for all windows."""
+        with self.changed:
+            if self._state[0] != self.stamp:
+                self._state = (self.stamp, as_json(self.state()))
+            return self._state[1]
 
     def watch(self, stop: threading.Event) -> None:
         """Look at the file and save the text while the hand rests, until told to stop."""
@@ -120,18 +136,16 @@ class EditServer(GuardedServer):
             self._attempt(self.document.save)
 
     def judge(self, stop: threading.Event) -> None:
-        """Check the newest text whenever the hand rests, until told to stop."""
-        while not stop.wait(REST / 10):
+        """Have the newest text checked whenever the hand rests, until told to stop."""
+        worker = self.worker
+        while not stop.is_set():
             with self.changed:
-                text, checked = self.document.text, self.checked
-                is_due = time.monotonic() - self._touched > CHECK_REST
-            if is_due and (checked is None or checked.text != text):
-                found = check(text, str(self.document.path), before=checked)
-                section = json.dumps(section_of(found), allow_nan=False, separators=(",", ":"))
-                with self.changed:
-                    self.checked, self.section = found, section
-                    self.sections += 1
-                    self._tell()
+                text, rested = self.document.text, time.monotonic() - self._touched
+                wait = min(CHECK_REST, worker.seconds) - rested if worker.wants(text) else REST
+                if wait > 0:
+                    self.changed.wait(wait)
+                    continue
+            worker.check(text)
 
     def _attempt(self, what: Callable[[], None]) -> None:
         """Look or save; windows are told the result."""
@@ -168,9 +182,9 @@ class EditHandler(GuardedHandler):
             if self.path == "/news":
                 self.stream(self._news)
             elif self.path == "/section":
-                self.send(HTTPStatus.OK, "application/json", self.server.section)
+                self.send(HTTPStatus.OK, "application/json", self.server.worker.section)
             else:
-                self._answer({**self.server.state(), "schema": json_schema()})
+                self._answer(schema=json_schema())
 
     def do_POST(self) -> None:
         """Carry out a request of a window; answer with the case after it."""
@@ -185,18 +199,20 @@ class EditHandler(GuardedHandler):
             self.refuse(HTTPStatus.BAD_REQUEST, "this is no request of a window")
         except CaseError as error:
             late = {"late": True} if isinstance(error, OutOfStep) else {}
-            self._answer({**self.server.state(), "refused": str(error), **late})
+            self._answer(refused=str(error), **late)
         else:
             # what moves shows its lines at once: blocks come when it rests
             lines = {"lines": self.server.lines()} if self.path == "/move" else {}
-            self._answer({**self.server.state(), **lines})
+            self._answer(**lines)
 
     @property
     def _name(self) -> str:
         return self.server.document.path.name
 
-    def _answer(self, content: dict[str, Any]) -> None:
-        text = json.dumps(content, allow_nan=False, separators=(",", ":"))
+    def _answer(self, **more: Any) -> None:
+        """Answer with the content of a window, and more."""
+        news = self.server.news()
+        text = f"{news[:-1]},{as_json(more)[1:]}" if more else news
         self.send(HTTPStatus.OK, "application/json", text)
 
     def _news(self) -> None:
@@ -204,11 +220,11 @@ class EditHandler(GuardedHandler):
         while True:
             with server.changed:
                 server.changed.wait_for(lambda: server.stamp != seen, LIFE)  # noqa: B023
-                seen, state = server.stamp, server.state()
-            self.event("case", json.dumps(state, allow_nan=False, separators=(",", ":")))
+                seen, news = server.stamp, server.news()
+            self.event("case", news)
 
 
-def _shown(document: Document, checked: Checked | None) -> dict[str, Any]:
+def _shown(document: Document, worker: Worker) -> dict[str, Any]:
     """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
     content, literals, file = None, {}, str(document.path)
     with suppress(CaseError):
@@ -219,23 +235,16 @@ def _shown(document: Document, checked: Checked | None) -> dict[str, Any]:
             for place, one in places.values.items()
             if (raw := document.text[one.start : one.end])[0] not in "\"'[{tf"
         }
-    trouble = document.trouble
-    if trouble is not None:
-        where = trouble.where.removeprefix(f"{file}: ")
-        said = Checked(
-            text=document.text,
-            file=file,
-            content=content or {},
-            faults=trouble.faults,
-            where=where,
-        )
-    elif checked is not None and checked.text == document.text:
-        said = checked
-    else:
-        said = Checked(text=document.text, file=file, content=content or {})
+    trouble, is_checked = document.trouble, worker.text == document.text
+    said = worker.told
+    if trouble is not None or not is_checked:
+        where = trouble.where.removeprefix(f"{file}: ") if trouble else ""
+        faults = trouble.faults if trouble else ()
+        shown = content or {}
+        said = Checked(document.text, file, content=shown, faults=faults, where=where).as_dict()
     return {
-        **said.as_dict(),
-        "checked": said is checked,
+        "checked": False,
+        **said,
         "refused_as_case": trouble is not None,
         "content": content,
         "literals": literals,
@@ -272,6 +281,7 @@ def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
         pass
     finally:
         stop.set()
+        server.worker.close()
         for one in threads:
             one.join()
         server.server_close()

@@ -5,35 +5,78 @@ import json
 import signal
 import subprocess
 import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 from clast.case.templates import TEMPLATES
+from scenes.edited import rock_text
+
+
+@contextmanager
+def started(file):
+    """Yield an editor that was started for a file, and a function that asks it."""
+    command = [sys.executable, "-m", "clast", "edit", file.name]
+    running = subprocess.Popen(command, cwd=file.parent, stderr=subprocess.PIPE, text=True)
+    try:
+        line = next(one for one in running.stderr if "http://" in one)
+        address = urlsplit(line[line.index("http://") :].strip())
+        token = address.fragment.removeprefix("token=")
+        connection = http.client.HTTPConnection(address.netloc, timeout=60)
+
+        def ask(path, **body):
+            content = json.dumps(body) if body else None
+            headers = {"Authorization": f"Bearer {token}"}
+            connection.request("POST" if body else "GET", path, content, headers)
+            return json.loads(connection.getresponse().read())
+
+        yield running, ask
+    finally:
+        running.kill()
+        running.wait()
+
+
+def changed(ask, version, place, toml):
+    """Change a value; return the state of the window."""
+    return ask("/edit", version=version, edits=[{"do": "set", "place": place, "toml": toml}])
 
 
 def test_the_interrupt_key_saves_and_ends(tmp_path):
     file = tmp_path / "slope.toml"
     file.write_text(TEMPLATES["slope"], "utf-8")
-    command = [sys.executable, "-m", "clast", "edit", "slope.toml"]
-    running = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    try:
-        line = next(one for one in running.stderr if "http://" in one)
-        address = urlsplit(line[line.index("http://") :].strip())
-        token = address.fragment.removeprefix("token=")
-        connection = http.client.HTTPConnection(address.netloc, timeout=20)
-        edits = [{"do": "set", "place": ["title"], "toml": '"changed"'}]
-        connection.request(
-            "POST",
-            "/edit",
-            json.dumps({"version": 0, "edits": edits}),
-            {"Authorization": f"Bearer {token}"},
-        )
-        assert json.loads(connection.getresponse().read())["version"] == 1
+    with started(file) as (running, ask):
+        assert changed(ask, 0, ["title"], '"changed"')["version"] == 1
         running.send_signal(signal.SIGINT)
         assert running.wait(20) == 0
-    finally:
-        running.kill()
-        running.wait()
     assert 'title = "changed"' in file.read_text("utf-8")
+
+
+def test_memory_stays_below_its_limit_over_a_thousand_edits(tmp_path):
+    """Of server and worker together, pages that they share counted once."""
+    file = tmp_path / "rock.toml"
+    file.write_text(rock_text(140.0, 110.0), "utf-8")
+    with started(file) as (running, ask):
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+        both = (running.pid, int(children.read_text()))
+        first = version = 0
+        for number in range(1000):
+            spacing = f"1.5{number % 97:02d}"
+            version = changed(ask, version, ["joint_set", 0, "spacing"], spacing)["version"]
+            while number % 10 == 0 and not ask("/case")["checked"]:
+                time.sleep(0.02)
+            if number == 200:
+                first = sum(memory(one) for one in both)
+        assert ask("/case")["blocks"] or ask("/case")["is_cutting"]
+        last = sum(memory(one) for one in both)
+        assert last < 400e6
+        assert last < 1.05 * first
+
+
+def memory(process):
+    """Return the memory of a process, bytes, with its part of what it shares with others."""
+    lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path):

@@ -20,6 +20,7 @@ def window(opened, tmp_path):
     with edited_file(path) as server:
         page = opened(server)
         until(page, "globalThis.clastEditor?.section.run?.blockCount === 23")
+        until(page, "clastEditor.state.checked")
         yield page, path
         page.close()
 

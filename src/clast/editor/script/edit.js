@@ -6,7 +6,9 @@ import { Section, marksOf } from "./section.js";
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
-let hand = null, typing = 0, section = null, sections = 0;
+const LONG = 2000;
+/** How long a cut may take until it can be stopped, ms. */
+let hand = null, typing = 0, section = null, sections = 0, patience = 0;
 
 async function ask(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -33,12 +35,15 @@ function draw() {
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${told}` : "not saved yet";
   const size = state.blocks === null ? "" : `${state.blocks} blocks, some ${state.steps} steps`;
-  $("saved").textContent = [saved, size, state.trouble, state.refused].filter(Boolean).join(" - ");
+  $("saved").textContent = [saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - ");
   $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
   $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
   $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
   $("write").hidden = !(state.unsaved && state.refused_as_case && state.conflict === null);
+  $("cut").hidden = !state.off || state.checked || state.is_cutting;
+  showPatience();
   $("conflict").hidden = state.conflict === null;
+  showMarks();
   section.choose(state.chosen);
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
@@ -57,7 +62,22 @@ function draw() {
 async function drawSection() {
   sections = state.sections;
   const news = await ask("/section");
-  await section.show(news, marksOf(news));
+  await section.show(news, marksOf(state));
+  showMarks(); // there may be more meanwhile
+}
+
+function showMarks() {
+  section.marks = marksOf(state);
+  section.changed();
+}
+
+/** Show the button that stops a cut when it has gone on for a while. */
+function showPatience() {
+  if (!state.is_cutting) {
+    clearTimeout(patience);
+    patience = 0;
+    $("stop-cut").hidden = true;
+  } else patience ||= setTimeout(() => { $("stop-cut").hidden = false; }, LONG);
 }
 
 /** A fault, a warning or a note, which leads to its field, and to its mark in the section. */
@@ -117,6 +137,8 @@ export async function main() {
   $("undo").addEventListener("click", () => hand.undo());
   $("redo").addEventListener("click", () => hand.redo());
   $("write").addEventListener("click", () => hand.send("/write", {}));
+  $("cut").addEventListener("click", () => hand.send("/cut", {}));
+  $("stop-cut").addEventListener("click", () => hand.send("/stop-cut", {}));
   $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
   $("theirs").addEventListener("click", () => hand.send("/keep-theirs", {}));
   $("text").addEventListener("focus", () => { typing += 1; });
