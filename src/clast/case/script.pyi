@@ -102,7 +102,7 @@ class ModelBuilder:
     Keys:
         profile: Points [x, y] of the profile from left to right, m; overhangs are allowed. Blocks of the case stand on it; alone they are the profile.
         surface: Surface of each segment of the profile, or one for all: [surface.NAME].
-        file: Table (.csv) with x, y and the surface from each point on, or drawing (.dxf) of lines whose layers are named like surfaces, in place of profile and surface.
+        file: Table (.csv) with x, y and the surface from each point on, or drawing (.dxf) of lines whose layers are named like surfaces, in place of profile and surface; or track (.gpx) down the slope, with one surface.
         seed: Seed of all random numbers.
         time_limit: Time after which a path ends, s.
         stations: Places along the profile, at equal distances, at which passing rocks are measured.

@@ -91,7 +91,8 @@ class RockfallTable(ByKeys):
     """Surface of each segment of the profile, or one for all: [surface.NAME]."""
     file: StrictStr | None = None
     """Table (.csv) with x, y and the surface from each point on, or drawing (.dxf) of lines whose
-    layers are named like surfaces, in place of profile and surface."""
+    layers are named like surfaces, in place of profile and surface; or track (.gpx) down the slope,
+    with one surface."""
     seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] = 1
     """Seed of all random numbers."""
     time_limit: Annotated[Number, Field(gt=0.0)] = 300.0
@@ -111,12 +112,21 @@ class RockfallTable(ByKeys):
                 faults = [Fault(what, "name one for all, or one for each", ("surface",))]
             if faults:
                 raise refusals(faults)
+        elif self.file is not None and self.is_track:
+            if len(self.surface) != 1:
+                what = f"names {len(self.surface)} surface(s) for a track"
+                raise refusal(what, "name one for all; a table (.csv) has more", "surface")
         elif self.surface and self.file is not None:
             raise refusal("is given, but the file names the surfaces", "leave it out", "surface")
         elif self.surface:
             remedy = "give points [[x, y], ...] as profile, or the name of a file"
             raise refusal("is given without a profile", remedy, "surface")
         return self
+
+    @property
+    def is_track(self) -> bool:
+        """Whether the file is a track, which has no surfaces."""
+        return (self.file or "").lower().endswith(".gpx")
 
     def line(self, folder: Path) -> tuple[Floats | None, list[str]]:
         """Return points (k + 1, 2), m, and the surface of each segment, from left to right.
@@ -132,6 +142,7 @@ class RockfallTable(ByKeys):
         else:
             assert self.file is not None
             points, names = read_profile(folder / self.file)
+            names = names or list(self.surface) * (len(points) - 1)
             for fault in profile_faults(points.tolist()):
                 raise ModelError(fault.what, where=self.file, remedy=fault.remedy)
         if points[0, 0] > points[-1, 0]:
@@ -160,10 +171,14 @@ def profile_faults(points: Sequence[Sequence[float]]) -> Iterator[Fault]:
 def read_profile(path: Path) -> tuple[Floats, list[str]]:
     """Return the points of the profile in a file, m, (k + 1, 2), and the surface of each segment.
 
-    Raises CaseError for a file that holds none.
+    A track has no surfaces.  Raises CaseError for a file that holds no profile.
     """
     if path.suffix.lower() == ".dxf":
         return _drawn_profile(path)
+    if path.suffix.lower() == ".gpx":
+        from clast.rockmass.drawings.gpx import section_of
+
+        return section_of(path), []
     from clast.rockmass.drawings.csv_lines import table_of
 
     table = table_of(path)

@@ -33,14 +33,12 @@ of the name given here, or the element's text.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
-from xml.parsers import expat
 
-from clast.errors import CaseError, mistyped, shortened
+from clast.errors import CaseError, shortened
 from clast.rockmass.drawings.drawing import Analysis, Drawing, DrawnRock, LeftOut, PointForce
-from clast.rockmass.drawings.drawing_files import checked_file, number_of
+from clast.rockmass.drawings.drawing_files import number_of
 from clast.rockmass.drawings.legacy_words import (
     LegacyGeometry,
     NumberRow,
@@ -50,6 +48,7 @@ from clast.rockmass.drawings.legacy_words import (
     legacy_rock,
     unit_notes,
 )
+from clast.rockmass.drawings.xml_tree import Element, tree_of
 
 LISTED = {
     "jointlist": ("joint",),
@@ -95,7 +94,7 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     the line where it is no such file.
     """
     scale, file = check_mass_unit(mass_unit), str(path)
-    root = _tree(Path(path))
+    root = tree_of(Path(path))
     if root.name != "dda":
         what = f"its root is {shortened(root.name)}, not DDA"
         remedy = "give the geometry or the analysis of DDA for Windows"
@@ -136,7 +135,7 @@ def _geometry(root: Element, scale: float) -> LegacyGeometry:
 
     return LegacyGeometry(
         file=root.file,
-        node_distance=root.setting("edgenodedist"),
+        node_distance=_setting(root, "edgenodedist"),
         boundary=rows("boundlist", (4,)),
         joints=rows("jointlist", (4,), "joint"),
         material_lines=rows("matlinelist", (4,), "line"),
@@ -160,15 +159,15 @@ def _analysis(root: Element, scale: float) -> Analysis:
         legacy_joint(k, one.row(STRENGTH), scale)
         for k, one in enumerate(root.all("jointproperties"), 1)
     )
-    gravity = root.setting("gravaccel")
+    gravity = _setting(root, "gravaccel")
     if gravity is not None and gravity < 0.0:
         notes.append(f"Gravaccel {gravity:g} was taken as {-gravity:g} m/s2 downwards")
-    steps, frames = root.setting("numtimesteps"), root.setting("saveinterval")
+    steps, frames = _setting(root, "numtimesteps"), _setting(root, "saveinterval")
     for what, value in (("Numtimesteps", steps), ("Saveinterval", frames)):
         if value is not None and not (value == round(value) and value > 0):
             remedy = "give a whole number, 1 or more"
             raise CaseError(f"{what} is {value:g}", where=root.file, remedy=remedy)
-    step, ratio = root.setting("maxtimestep"), root.setting("maxdisplacement")
+    step, ratio = _setting(root, "maxtimestep"), _setting(root, "maxdisplacement")
     for what, value in (("Maxtimestep", step), ("Maxdisplacement", ratio)):
         if value is not None and value <= 0.0:
             raise CaseError(f"{what} is {value:g}", where=root.file, remedy="give a number above 0")
@@ -273,128 +272,7 @@ def _unknown(root: Element) -> Iterator[LeftOut]:
             yield LeftOut(what=what, place=child.place, reason=reason)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Element:
-    """An element; names are local and in small letters."""
-
-    file: str
-    name: str
-    attributes: dict[str, str]
-    line: int
-    children: list[Element] = field(default_factory=list)
-    texts: list[str] = field(default_factory=list)
-
-    @property
-    def place(self) -> str:
-        """Return where it stands, for messages."""
-        return f"line {self.line}, {self.name}"
-
-    @property
-    def text(self) -> str:
-        """Return its text without that of elements in it."""
-        return " ".join("".join(self.texts).split())
-
-    @property
-    def written(self) -> str:
-        """Return its text or, where it has none, its first attribute."""
-        return self.text or next(iter(self.attributes.values()), "")
-
-    def fault(self, what: str, remedy: str) -> CaseError:
-        """Return the error of a fault in it."""
-        return CaseError(what, where=f"{self.file}: {self.place}", remedy=remedy)
-
-    def all(self, name: str) -> Iterator[Element]:
-        """Yield the elements with that name below this one, in their order."""
-        for child in self.children:
-            if child.name == name:
-                yield child
-            yield from child.all(name)
-
-    def first(self, name: str) -> Element | None:
-        """Return the first element with that name below this one."""
-        return next(self.all(name), None)
-
-    def value(self, attribute: str) -> str:
-        """Return an attribute or, where it is missing, the element's text."""
-        return self.attributes.get(attribute, self.text).strip()
-
-    def numbers(self, written: str) -> tuple[float, ...]:
-        """Return numbers of it separated by spaces or commas; CaseError for other words."""
-        values = []
-        for word in written.replace(",", " ").split():
-            value = number_of(word)
-            if value is None:
-                remedy = "write numbers such as 12.5, separated by spaces"
-                raise self.fault(f"{mistyped(word)} is not a number", remedy)
-            values.append(value)
-        return tuple(values)
-
-    def number(self, written: str, what: str = "it") -> float:
-        """Return the one number that is written in it; CaseError where there are others."""
-        values = self.numbers(written)
-        if len(values) != 1:
-            raise self.fault(
-                f"has {len(values)} numbers instead of one", f"give {what} as one number"
-            )
-        return values[0]
-
-    def row(self, names: tuple[str, ...]) -> NumberRow:
-        """Return one number for each name of an element below it."""
-        values = []
-        for name in names:
-            element = self.first(name)
-            if element is None:
-                have = ", ".join(child.name for child in self.children) or "nothing"
-                raise self.fault(f"has no {name}", f"it has {have}")
-            values.append(element.number(element.written))
-        return NumberRow(values=tuple(values), place=self.place)
-
-    def setting(self, name: str) -> float | None:
-        """Return the number of an element below it, None where there is no such element."""
-        element = self.first(name)
-        return None if element is None else element.number(element.value(SETTINGS[name]))
-
-
-def _tree(path: Path) -> Element:
-    """Return the root element of an XML file.
-
-    Document types are refused: they can make a small file grow without bound or read other files.
-    """
-    file, parser = str(path), expat.ParserCreate(namespace_separator=" ")
-    above: list[Element] = [Element(file=file, name="", attributes={}, line=0)]
-    document = above[0]
-
-    def refuse(*_: Any) -> None:
-        what = "declares a document type or an entity, which are not read"
-        remedy = "remove <!DOCTYPE ...> and replace entities by their text"
-        raise CaseError(what, where=f"{file}: line {parser.CurrentLineNumber}", remedy=remedy)
-
-    def start(name: str, attributes: dict[str, str]) -> None:
-        line = parser.CurrentLineNumber
-        if len(above) > 100:
-            raise CaseError("is nested too deeply", where=f"{file}: line {line}")
-        local = {_local(key): value for key, value in attributes.items()}
-        element = Element(file=file, name=_local(name), attributes=local, line=line)
-        above[-1].children.append(element)
-        above.append(element)
-
-    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda _: above.pop()
-    parser.CharacterDataHandler = lambda text: above[-1].texts.append(text)
-    try:
-        parser.Parse(checked_file(path).read_bytes(), True)
-    except expat.ExpatError as error:
-        raise CaseError(
-            f"is not XML: {expat.ErrorString(error.code)}",
-            where=f"{path}: line {error.lineno}, column {error.offset + 1}",
-            remedy="check that the file is complete",
-        ) from None
-    except (ValueError, LookupError) as error:  # an encoding that nobody knows
-        raise CaseError(f"is not XML: {shortened(str(error), 100)}", where=file) from None
-    return document.children[0]
-
-
-def _local(name: str) -> str:
-    """Return a name without its namespace, in small letters."""
-    return name.rpartition(" ")[2].rpartition(":")[2].casefold()
+def _setting(root: Element, name: str) -> float | None:
+    """Return the number of an element below the root, None where there is no such element."""
+    element = root.first(name)
+    return None if element is None else element.number(element.value(SETTINGS[name]))
