@@ -1,6 +1,7 @@
 """Rockfall as a study: counts and statistics, and what they are counted from."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import clast
 from clast.study.rockfall import portions
 from clast.trajectory.campaign import portion
+from scenes.command_line import clast_command, good
 
 TEXT = """
 schema = 1
@@ -180,6 +182,18 @@ def test_a_rock_that_strikes_a_block_is_handed_over_to_a_run_of_blocks(tmp_path)
     assert given == pytest.approx(taken, rel=1e-6)
 
 
+def test_blocks_that_rocks_fall_on_need_no_time_unless_they_are_run(tmp_path) -> None:
+    text = WALL.replace("time = { step = 1e-4, end = 0.02 }", "")
+    timed, untimed = (clast.Case.from_text(one, "wall.toml") for one in (WALL, text))
+    assert "time" not in clast.Case.from_text(untimed.to_toml(), "x").model_fields_set
+    for case, name in ((timed, "timed"), (untimed, "untimed")):
+        clast.rockfall(case, tmp_path / name, workers=1)
+    tables = [(tmp_path / name / "blows.csv").read_bytes() for name in ("timed", "untimed")]
+    assert tables[0] == tables[1]
+    with pytest.raises(clast.CaseError, match=r"\[time\]: is missing"):
+        untimed.run()
+
+
 @pytest.mark.parametrize(
     ("number", "change", "said"),
     [
@@ -194,3 +208,14 @@ def test_only_a_path_that_strikes_a_free_block_is_handed_over(
     results = clast.rockfall(clast.Case.from_text(text, "x.toml"), tmp_path / "out", workers=1)
     with pytest.raises(clast.CaseError, match=said):
         results.hand_over(number)
+
+
+def test_the_page_of_a_folder_shows_its_paths(results, tmp_path) -> None:
+    good("page", results.folder, tmp_path / "rocks.html")
+    scene = (tmp_path / "rocks.html").read_text("utf-8").partition('id="scene">')[2]
+    paths = json.loads(scene.partition("</script>")[0])["paths"]
+    assert [one["number"] for one in paths] == results.paths["path"]
+    assert [one["end"] for one in paths] == results.paths["end"]
+    empty = clast_command("page", tmp_path)
+    assert empty.exit_code == 2
+    assert "clast study collect reports on a folder of a study" in empty.stderr

@@ -97,6 +97,8 @@ if TYPE_CHECKING:
 
 BLOCKS = {"block", "geometry", "block_file", "domain"}
 """Tables that blocks come from."""
+NO_TIME = TimeTable(step=1e-3, end=1.0)
+"""The time of a case whose rocks are followed and whose blocks are not run."""
 FALLING = ("surface", "source", "barrier", "collector")
 """Tables of rockfall beside [rockfall]."""
 NAMING = "file"
@@ -234,10 +236,19 @@ class Case(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _rocks_need_no_blocks(cls, content: Any) -> Any:
-        """Let a case that has only rockfall leave out what runs of blocks need."""
-        if isinstance(content, dict) and "rockfall" in content and not BLOCKS & content.keys():
-            return {"time": {"step": 1e-3, "end": 1.0}, "rock": {}, **content}
+        """Let a case that has rockfall leave out what runs of blocks need."""
+        if isinstance(content, dict) and "rockfall" in content:
+            without = (
+                {"time": NO_TIME} if BLOCKS & content.keys() else {"time": NO_TIME, "rock": {}}
+            )
+            return {**without, **content}
         return content
+
+    @model_validator(mode="after")
+    def _time_is_given(self) -> Self:
+        if self.time is NO_TIME:
+            self.model_fields_set.discard("time")
+        return self
 
     @model_validator(mode="after")
     def _rocks_have_a_profile(self) -> Self:
@@ -588,6 +599,9 @@ class Case(BaseModel):
         """Return when to simulate and when to keep a frame."""
         from clast.run.schedule import Schedule
 
+        if "time" not in self.model_fields_set:
+            remedy = "give it with step and end; clast rockfall needs none"
+            raise CaseError("is missing", where=f"{self._file}: [time]", remedy=remedy)
         with self._located():
             stages = tuple(table.stage() for table in self.stage)
         schedule = Schedule(

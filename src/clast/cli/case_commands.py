@@ -227,7 +227,7 @@ def check(
     if loaded.rockfall is not None:
         rocks = loaded.campaign()
         tell(f"{rocks.count} rocks over {len(rocks.profile) - 1} segments of a profile")
-        if not loaded.has_blocks:
+        if "time" not in loaded.model_fields_set:
             return
     with status():
         sanity = loaded.examine()

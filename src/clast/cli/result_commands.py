@@ -28,6 +28,7 @@ from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
     from clast.results import Results
+    from clast.study.rockfall.results import RockfallResults
 
 
 def info(file: ResultFile, as_json: AsJson = False) -> None:
@@ -259,7 +260,9 @@ def _two_frames(pair: str) -> tuple[int, int]:
 
 
 def page(
-    file: ResultFile,
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Result file of a run, or folder of a rockfall.")
+    ],
     output: Annotated[
         Path | None,
         typer.Argument(metavar="OUTPUT", help="Page; the file's name with .html if absent."),
@@ -273,9 +276,26 @@ def page(
     from clast.pictures.page.document import write_page
     from clast.results import read_results
 
-    target = output or file.with_suffix(".html")
-    write_page(read_results(file), target, budget=_bytes("--budget", budget))
+    target, size = output or file.with_suffix(".html"), _bytes("--budget", budget)
+    if rocks := _rocks_in(file):
+        from clast.study.rockfall.page import write_page as write_paths
+
+        target = write_paths(rocks, output)
+    else:
+        write_page(read_results(file), target, budget=size)
     tell(f"page: {target} ({target.stat().st_size / 1e6:.3g} MB); open it in a browser")
+
+
+def _rocks_in(folder: Path) -> RockfallResults | None:
+    """Return the paths of rocks in a folder, None where it is none of rockfall."""
+    if not folder.is_dir():
+        return None
+    from clast.study.description import ROCKFALL
+    from clast.study.folder import STUDY, StudyFolder
+    from clast.study.rockfall.results import RockfallResults
+
+    there = StudyFolder.opened(folder) if (folder / STUDY).is_file() else None
+    return RockfallResults.of(there) if there and there.study.kind == ROCKFALL else None
 
 
 def report(

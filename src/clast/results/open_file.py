@@ -37,7 +37,8 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
         for _ in range(20):
             before = path.stat()
             if stat.S_ISDIR(before.st_mode):
-                raise CaseError("is a directory, not a result file")
+                remedy = "name a file in it; clast study collect reports on a folder of a study"
+                raise CaseError("is a directory, not a result file", remedy=remedy)
             if not stat.S_ISREG(before.st_mode):
                 raise CaseError("is a device, a pipe or the like, no result file")
             try:

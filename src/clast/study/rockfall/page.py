@@ -20,8 +20,8 @@ DIGITS = 4
 COLUMNS = (path.CLOCK, path.X, path.Y, path.ANGLE, *range(path.AFTER, path.FACE))
 
 
-def write_page(results: RockfallResults) -> Path:
-    """Write paths.html into the folder of the results; return its path."""
+def write_page(results: RockfallResults, target: Path | None = None) -> Path:
+    """Write the page, paths.html in the folder of the results if no other; return its path."""
     campaign, origin = results.campaign, results.campaign.origin
     standing = campaign.blocks.outline if campaign.blocks else ()
     scene = {
@@ -33,7 +33,7 @@ def write_page(results: RockfallResults) -> Path:
         "paths": [_path(results, row) for row in range(min(SHOWN, len(results)))],
     }
     with writing(results.folder):
-        return write_rocks(scene, results.folder / "paths.html")
+        return write_rocks(scene, target or results.folder / "paths.html")
 
 
 def _path(results: RockfallResults, row: int) -> dict[str, Any]:
