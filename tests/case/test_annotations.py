@@ -97,3 +97,12 @@ def test_no_value_is_null():
     kept = without_null({"anyOf": [{"type": "number"}, {"type": "null"}], "default": None, "a": 1})
     assert kept == {"type": "number", "a": 1}
     assert without_null({"default": None}) == {"default": None}
+
+
+def test_a_size_or_direction_begins_at_a_place_of_its_table(every):
+    extents = {(t, k): one[MARK]["from"] for t, k, one in every if "from" in one[MARK]}
+    known = {(table, key): one[MARK].get("geometry") for table, key, one in every}
+    assert {known[table, begins] for (table, _), begins in extents.items()} == {"point", "polygon"}
+    assert extents["OpeningTable", "radius"] == "center"
+    assert known["OpeningTable", "radius"] == "radius"
+    assert known["Water", "level"] == "level"

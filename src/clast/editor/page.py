@@ -10,7 +10,7 @@ OF_PAGES = (
     "joints chosen supports axes layers legend"
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
-SCRIPTS = ("values", "hand", "form", "edit")
+SCRIPTS = ("values", "hand", "form", "handles", "snaps", "choices", "draw", "edit")
 """Modules of the page, each after those that it imports."""
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import Extends, RefersTo
 from clast.inputs.declaring.table import OR_TEXT, Length, Loop, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.loads import check_length
@@ -165,7 +165,7 @@ class BoltPattern(Anchorage):
     """Name of the pattern and its bolts; that of the opening if absent."""
     opening: Annotated[Loop | StrictStr, OR_TEXT]
     """Name of an [[opening]], or corners [x, y] of one, m."""
-    length: Length
+    length: Annotated[Length, Extends("length", "opening")]
     """Length of each bolt, m."""
     spacing: Length
     """Distance of the heads along the wall, m."""

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import Extends
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
 from clast.inputs.declaring.validation_messages import refusal
@@ -33,7 +34,7 @@ class InSituTable(Table):
     """Stress [xx, yy, xy] at the datum, Pa, tension positive."""
     gradient: Stresses = (0.0, 0.0, 0.0)
     """Its change by metre of depth below the datum, Pa/m."""
-    datum: Coordinate | None = None
+    datum: Annotated[Coordinate, Extends("level")] | None = None
     """Height y at which the stress holds, m: 0 if absent; the top of the rock for "overburden"."""
     vertical: Literal["overburden"] | None = None
     """In place of a stress: the weight of the rock above, by its mean density."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import Extends, RefersTo
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.rock_mass import Seed, check_keys
@@ -94,14 +94,14 @@ class JointSetTable(Table):
     """How lines are placed."""
     joint: StrictStr | None = None
     """Joint of its edges: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
-    angle: Number | None = None
+    angle: Annotated[Number, Extends("angle", "origin")] | None = None
     """Angle of the lines counter-clockwise from +x, degrees."""
     dip: Number | None = None
     """Dip of the planes, degrees; with dip_direction and the domain's section_azimuth in place of
     angle."""
     dip_direction: Number | None = None
     """Direction of dip clockwise from north, degrees."""
-    spacing: Spread | None = None
+    spacing: Annotated[Spread, Extends("spacing", "origin")] | None = None
     """Distance between lines, m; a number or a distribution."""
     spacing_is: Literal["true", "apparent"] | None = None
     """"true": spacing in space; "apparent": as seen in the section. Required with dip."""

@@ -13,6 +13,7 @@ from pydantic import StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import Extends
 from clast.inputs.declaring.table import OR_PAIR, Force, Instant, Point, Stress, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.measurements import MeasuredPoint
@@ -92,7 +93,7 @@ class PointLoad(Load):
 
     at: Point
     """Coordinates [x, y], m."""
-    force: tuple[Force, Force]
+    force: Annotated[tuple[Force, Force], Extends("vector", "at")]
     """Force [x, y], N per metre of thickness."""
 
 
@@ -113,7 +114,7 @@ class AlongLine(Load):
 class LineLoad(AlongLine):
     """A traction along a line that moves with its block, usually along an edge."""
 
-    traction: tuple[Force, Force]
+    traction: Annotated[tuple[Force, Force], Extends("vector", "start")]
     """Force per length [x, y], N/m per metre of thickness."""
 
 

@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 from clast import spelling
 from clast.errors import Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import Extends, RefersTo
 from clast.inputs.declaring.table import (
     OR_TABLE,
     Inputs,
@@ -32,6 +32,7 @@ from clast.model.surroundings import OpeningBlocks
 
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]
+Size = Annotated[tuple[Length, Length], Extends("size", "corner")]
 Seed = Annotated[StrictInt, Field(ge=0)]
 OutlineLayer = Annotated[
     StrictStr | None,
@@ -168,17 +169,17 @@ class OpeningTable(Table):
     size) or polygon (points)."""
     center: Point | None = None
     """Centre of a circle, middle of the floor of a horseshoe [x, y], m."""
-    radius: Length | None = None
+    radius: Annotated[Length, Extends("radius", "center")] | None = None
     """Radius of the circle that has the area of the opening, m."""
-    width: Length | None = None
+    width: Annotated[Length, Extends("width", "center")] | None = None
     """Width of a horseshoe, m."""
-    wall_height: Length | None = None
+    wall_height: Annotated[Length, Extends("height", "center")] | None = None
     """Height of the walls below the half circle of a horseshoe, m."""
     chords: StrictInt | None = None
     """Straight edges of a circle, 32 if absent, or of the roof of a horseshoe, 16 if absent."""
     corner: Point | None = None
     """Lower left corner of a box [x, y], m."""
-    size: tuple[Length, Length] | None = None
+    size: Size | None = None
     """Width and height of a box, m."""
     points: Loop | None = None
     """Corners [x, y] of a polygon, m."""
@@ -282,9 +283,9 @@ class BlockPatternTable(Table):
     """Head joints of successive courses: staggered or in line."""
     corner: Point
     """Lower left corner of the rectangle [x, y], m."""
-    size: tuple[Length, Length]
+    size: Size
     """Width and height of the rectangle, m."""
-    brick: tuple[Length, Length]
+    brick: Size
     """Width and height of a block, m."""
     joint: StrictStr | None = None
     """Joint of bed and head joints: [joint.NAME]; that of the pair of rocks, or the default, if

@@ -15,6 +15,7 @@ from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validato
 
 from clast.errors import CaseError, Fault, ModelError
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import Extends
 from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import (
     OR_TEXT,
@@ -383,7 +384,7 @@ class BarrierTable(Table):
 
     name: StrictStr
     """Name."""
-    x: Coordinate
+    x: Annotated[Coordinate, Extends("station")]
     """Its foot, on the profile, m."""
     height: Length
     """Height along it, m."""
@@ -418,5 +419,5 @@ class CollectorTable(Table):
 
     name: StrictStr
     """Name."""
-    x: Annotated[Number, within(ranges.COORDINATE)]
+    x: Annotated[Number, within(ranges.COORDINATE), Extends("station")]
     """Its place, m."""

@@ -13,7 +13,7 @@ from pydantic import Field, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import Extends, RefersTo
 from clast.inputs.declaring.table import (
     OR_LINE,
     OR_TABLE,
@@ -82,7 +82,7 @@ class Water(Table):
 
     name: StrictStr | None = None
     """Name by which stages refer to it."""
-    level: Coordinate | None = None
+    level: Annotated[Coordinate, Extends("level")] | None = None
     """Height y of a horizontal surface, m; or give a line."""
     line: Annotated[Line | LineFile, OR_TABLE] | None = None
     """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; it is horizontal beyond its

@@ -2,13 +2,14 @@
 import { Hand } from "./hand.js";
 import { showForms, tableAt } from "./form.js";
 import { Section, marksOf } from "./section.js";
+import { Tools } from "./draw.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let hand = null, typing = 0, section = null, sections = 0, patience = 0;
+let hand = null, typing = 0, section = null, sections = 0, patience = 0, tools = null;
 
 async function ask(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -45,6 +46,7 @@ function draw() {
   $("conflict").hidden = state.conflict === null;
   showMarks();
   section.choose(state.chosen);
+  tools?.changed();
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
   const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
@@ -133,6 +135,7 @@ export async function main() {
   hand = new Hand(ask, show);
   section = new Section($("section"), (mark) => goTo(mark.place));
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
+  tools = new Tools(section, { state, hand, choose });
   $("file").textContent = state.file.split(/[\\/]/).at(-1);
   $("undo").addEventListener("click", () => hand.undo());
   $("redo").addEventListener("click", () => hand.redo());
@@ -150,7 +153,7 @@ export async function main() {
     document.activeElement?.blur();
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
-  globalThis.clastEditor = { state, hand, goTo, section };
+  globalThis.clastEditor = { state, hand, goTo, section, tools };
   document.body.dataset.ready = "yes";
   listen();
 }

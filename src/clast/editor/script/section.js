@@ -16,6 +16,8 @@ const NEAR = 9;
 const SHOWN = ["bolts", "points", "excavated", "water", "surcharge", "links", "axes"];
 /** Layers that are on at first. */
 const STEP = 40;
+const EMPTY = [-2, -2, 38, 28];
+/** What a case without any place shows, m. */
 
 const POINT = /\(-?[\d.e+-]+, -?[\d.e+-]+\)/;
 /** Coordinates in a message: its points are places by themselves, and no line. */
@@ -31,11 +33,13 @@ export class Section {
   /** @param {HTMLElement} root @param {(mark: any) => void} asked */
   constructor(root, asked) {
     root.innerHTML = `<div class="stage"><div class="legend"><div class="entries"></div><details><summary>Layers</summary><div class="layers"></div></details></div>
-      <div class="canvases"><canvas aria-hidden="true"></canvas><canvas tabindex="0" role="img" aria-label="Drawing of the case. Arrows move it, plus and minus zoom, 0 shows all."></canvas>
+      <div class="canvases"><canvas aria-hidden="true"></canvas><canvas tabindex="0" role="img" aria-label="Drawing of the case. Arrows move it, plus and minus zoom, Home shows all."></canvas>
       <output class="place"></output><p class="wait" role="status">Reading the case. After an installation parts of clast are compiled first, once: up to a minute.</p>
       <p class="old" hidden>The blocks are those before the faults.</p></div></div>`;
     this.root = root;
     this.asked = asked;
+    /** The hand that draws in it, of a window that has one. */
+    this.tools = null;
     [this.below, this.above] = root.querySelectorAll("canvas");
     this.view = new View();
     this.run = null;
@@ -54,8 +58,11 @@ export class Section {
     followPointers(this.above, this.view, {
       changed: () => this.changed(),
       clicked: (x, y) => this.click(x, y),
-      over: (x, y) => this.tellPlace(x, y),
-      ruled: () => null,
+      over: (x, y) => {
+        this.tellPlace(x, y);
+        this.tools?.over(x, y);
+      },
+      ruled: () => this.tools?.rule() ?? null,
     });
     this.above.addEventListener("keydown", (event) => this.press(event));
     new ResizeObserver(() => this.resize()).observe(this.above.parentElement);
@@ -69,6 +76,7 @@ export class Section {
   async show(news, marks) {
     this.root.querySelector(".wait").hidden = true;
     const isFirst = this.origin === null;
+    const old = this.origin;
     const before = this.run && JSON.stringify([this.run.scene.vertices, this.origin]);
     if (news.scene) {
       const run = new RunData(news.scene);
@@ -77,8 +85,10 @@ export class Section {
       this.origin = news.scene.origin;
       this.fillLayers();
     } else if (!this.run) {
-      this.origin = news.lines.flatMap(({ points }) => points)[0] ?? this.origin;
+      this.origin = news.lines.flatMap(({ points }) => points)[0] ?? this.origin ?? [0, 0];
     }
+    // what is looked at stays where it is
+    if (old) [this.view.x, this.view.y] = [this.view.x + old[0] - this.origin[0], this.view.y + old[1] - this.origin[1]];
     this.lines = news.lines;
     this.moving = [];
     this.showsFile = !news.scene;
@@ -125,6 +135,7 @@ export class Section {
       [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
     }
     if (box.every(Number.isFinite)) this.view.fit(...box);
+    else if (!this.run) this.view.fit(...EMPTY);
     this.changed();
   }
 
@@ -136,6 +147,7 @@ export class Section {
       "=": () => this.view.zoom(1.25),
       "-": () => this.view.zoom(0.8),
       0: () => this.fit(),
+      Home: () => this.fit(),
       ArrowLeft: () => this.view.pan(STEP, 0),
       ArrowRight: () => this.view.pan(-STEP, 0),
       ArrowUp: () => this.view.pan(0, STEP),
@@ -149,8 +161,10 @@ export class Section {
   }
 
   click(x, y) {
+    if (this.tools?.isDrawing && this.tools.click(x, y)) return;
     const mark = this.marks.find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
     if (mark) return this.asked(mark);
+    if (this.tools?.click(x, y)) return;
     this.state.chosen = this.run ? this.run.blockAt(0, this.view.worldX(x), this.view.worldY(y)) : -1;
     this.tellPlace(x, y);
     this.changed();
@@ -199,7 +213,9 @@ export class Section {
   resize() {
     const { clientWidth: width, clientHeight: height } = this.above.parentElement;
     if (!width || !height) return;
-    this.view.resize(width, height);
+    // messages come and go beside it: what somebody draws must not move under the hand
+    if (this.tools && !this.view.box) this.view.keep(width, height);
+    else this.view.resize(width, height);
     const dots = Math.min(2, devicePixelRatio || 1);
     for (const canvas of [this.below, this.above]) [canvas.width, canvas.height] = [Math.round(width * dots), Math.round(height * dots)];
     this.kept = null;
@@ -235,10 +251,12 @@ export class Section {
     }
     if (!this.origin) return;
     const isChosen = ({ place }) => this.place.length && this.place.every((part, k) => part === place[k]);
-    for (const line of this.showsFile ? this.lines : []) this.drawPoints(pen, line, theme.ink, 1.2);
+    for (const line of this.showsFile && !this.tools ? this.lines : []) this.drawPoints(pen, line, theme.ink, 1.2);
+    this.tools?.drawFile(pen);
     for (const mark of [...this.marks].reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
     pen.lines(this.moving.map((ends) => [...this.screen(ends.slice(0, 2)), ...this.screen(ends.slice(2))]), theme.chosen, 1.2);
-    for (const line of this.lines.filter(isChosen)) this.drawPoints(pen, line, theme.chosen, 3);
+    for (const line of this.tools ? [] : this.lines.filter(isChosen)) this.drawPoints(pen, line, theme.chosen, 3);
+    this.tools?.drawHand(pen);
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }
 

@@ -3,7 +3,9 @@
 ``x-clast`` of a property in the JSON Schema, for editors of case files: other readers pass it over.
 
 ``unit``      unit of its numbers, "-" for none, from the sentence below the key
-``geometry``  point, polyline or polygon, m, where the section shows it
+``geometry``  point, polyline or polygon, m, where the section shows it; or radius, width, height,
+              size, angle, spacing, vector, length, level or station of something that it shows
+``from``      key of the point or outline at which such a size or direction begins
 ``refers_to`` tables of which it holds a name
 ``when``      values of other keys with which it goes
 ``level``     "basic" for keys that a table needs, "more" for others
@@ -25,6 +27,9 @@ from pydantic.fields import FieldInfo
 from clast.inputs.declaring.field_docs import PLAIN_NUMBER, UNIT
 
 Geometry = Literal["point", "polyline", "polygon"]
+Extent = Literal[
+    "radius", "width", "height", "size", "angle", "spacing", "vector", "length", "level", "station"
+]
 MARK = "x-clast"
 """Key of the annotations in the JSON Schema."""
 
@@ -34,6 +39,15 @@ class Drawn:
     """Annotation of a key that is somewhere in the section."""
 
     geometry: Geometry
+
+
+@dataclass(frozen=True)
+class Extends:
+    """Annotation of a size or a direction that the section shows, from the place of another key."""
+
+    geometry: Extent
+    begins: str = ""
+    """Key of the point or outline; empty for a level y and for a station x, which have none."""
 
 
 class RefersTo:
@@ -59,6 +73,12 @@ def geometry_of(field: FieldInfo) -> Geometry | None:
     """Return how the section shows a key, None where it does not."""
     marks = (*field.metadata, *parts_of(field.annotation))
     return next((one.geometry for one in marks if isinstance(one, Drawn)), None)
+
+
+def extent_of(field: FieldInfo) -> Extends | None:
+    """Return the size or direction that a key is in the section, None where it is neither."""
+    marks = (*field.metadata, *parts_of(field.annotation))
+    return next((one for one in marks if isinstance(one, Extends)), None)
 
 
 def names_of(key: str, field: FieldInfo, tables: frozenset[str]) -> tuple[str, ...]:
@@ -90,9 +110,11 @@ def annotation_of(
 ) -> dict[str, Any]:
     """Return ``x-clast`` of a key of a table; ``tables`` are those of the file."""
     is_file = tables <= {one.alias or name for name, one in table.model_fields.items()}
+    extent = extent_of(field)
     found: dict[str, Any] = {
         "unit": unit_of(field),
-        "geometry": geometry_of(field),
+        "geometry": extent.geometry if extent else geometry_of(field),
+        "from": extent.begins if extent else "",
         "refers_to": list(names_of(key, field, tables - {key} if is_file else tables)),
         "when": when_of(key, table),
         "level": "basic" if field.is_required() or key in _of_groups(table) else "more",

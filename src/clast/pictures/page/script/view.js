@@ -30,6 +30,13 @@ export class View {
     if (this.box) this.fit(...this.box);
   }
 
+  /** Keep what is seen at its place on the screen, from its upper left corner, in a window of another size, pixels. */
+  keep(width, height) {
+    const [left, top] = [this.worldX(0), this.worldY(0)];
+    Object.assign(this, { width, height, x: left + (0.5 * width) / this.scale, y: top - (0.5 * height) / this.scale });
+    this.moved();
+  }
+
   /** Take note of what is seen, after the view has been moved. */
   moved() {
     Object.assign(this, { wide: this.width / this.scale, tall: this.height / this.scale, box: null });
