@@ -287,7 +287,8 @@ def _respond(stretch, springs, force, stiffness):
 
 
 @shared(CONTACTS)
-def _respond_all(first, last, gap, slip, springs, forces, stiffnesses):
+def respond_all(first, last, gap, slip, springs, forces, stiffnesses):
+    """Write N, T and their stiffnesses of links ``first`` to ``last`` - 1 (``forces_at``)."""
     gap, slip = in_part((gap, slip), first, last)
     normal, shear = in_part(forces, first, last)
     kn, ks = in_part(stiffnesses, first, last)
@@ -301,7 +302,7 @@ def forces_at(gap, slip, springs):
     count = len(gap)
     forces = np.empty(count), np.empty(count)
     stiffnesses = np.empty(count), np.empty(count)
-    _respond_all(count, gap, slip, springs, forces, stiffnesses)
+    respond_all(count, gap, slip, springs, forces, stiffnesses)
     return forces[0], forces[1], stiffnesses[0], stiffnesses[1]
 
 

@@ -201,7 +201,7 @@ def _balance(i, system, graph, contacts, d, normal, shear, balance):
 
 
 @shared(BLOCKS)
-def _balance_rows(first, last, system, graph, contacts, d, forces, balance):
+def balance_rows(first, last, system, graph, contacts, d, forces, balance):
     """Balance blocks."""
     normal, shear = forces
     for i in range(first, last):
@@ -217,7 +217,7 @@ def unbalanced(system, graph, contacts, d, normal, shear):
     arms of those, ``d`` (n, 6) the unknowns and ``normal`` and ``shear`` (m,) N and T.
     """
     balance = np.empty_like(d), np.empty(len(d))
-    _balance_rows(len(d), system, graph, contacts, d, (normal, shear), balance)
+    balance_rows(len(d), system, graph, contacts, d, (normal, shear), balance)
     return balance
 
 

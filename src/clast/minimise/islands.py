@@ -19,15 +19,15 @@ from typing import NamedTuple
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.compute.parallel import EACH, shared
+from clast.compute.parallel import EACH, borrowed, shared
 from clast.compute.reductions import MANY, SHARED, sum_of
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
-from clast.contact.clipped_spring import Springs
+from clast.contact.clipped_spring import Springs, respond_all
 from clast.linear import ldlt
-from clast.linear.assembly import assemble, contact_motions, form, unbalanced
+from clast.linear.assembly import assemble, balance_rows, contact_motions, form
 from clast.linear.block_matrix import dot, row_pointers
 from clast.linear.pattern import with_fill
-from clast.minimise.line_search import island_sums, lengths_along, links_along
+from clast.minimise.line_search import advance, island_sums, lengths_along
 from clast.model.model import Bools, Floats, Ints
 
 
@@ -378,50 +378,50 @@ def _factor(problem, pattern, kn, ks):
 
 
 @kernel()
-def _searched(problem, point, direction, decrement):
-    """Return the point to which an exact line search leads, and evaluations."""
+def _search(problem, point, direction, decrement):
+    """Move a point to where an exact line search leads; return evaluations."""
     system, (_, graph, (vertex_block, edge_block, arms), springs) = problem
     d, gap, slip = point.displacement, point.gap, point.slip
-    normal, shear = point.normal, point.shear
+    forces, stiffnesses = (point.normal, point.shear), (point.kn, point.ks)
     opening, sliding = contact_motions(vertex_block, edge_block, arms, direction)
     only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
-    smooth = start + island_sums(normal * opening + shear * sliding, only, 1)
+    smooth = start + island_sums(forces[0] * opening + forces[1] * sliding, only, 1)
     bend = np.full(1, form(system[0], direction))
     line = gap, opening, slip, sliding
     length, evaluations = lengths_along(only, line, springs, smooth, bend, start)
     for i in range(len(d)):
         put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
-    gap, slip, normal, shear, kn, ks = links_along(only, length, line, springs)
-    residual, distance = unbalanced(system, graph, (vertex_block, arms), d, normal, shear)
-    after = IslandPoint(d, gap, slip, normal, shear, kn, ks, residual, distance)
-    return after, evaluations
+    advance(len(gap), only, length, line, gap, slip)
+    respond_all(len(gap), gap, slip, springs, forces, stiffnesses)
+    balance = point.residual, point.distance
+    balance_rows(len(d), system, graph, (vertex_block, arms), d, forces, balance)
+    return evaluations
 
 
 @kernel()
-def _minimum(problem, point, tolerance, iterations):
-    """Return a point within ``tolerance`` of an island's minimum, its distance, iterations.
+def _minimise_one(problem, point, pattern, tolerance, iterations):
+    """Move a point near enough to an island's minimum; return distance, iterations, evaluations.
 
-    By as many ``iterations`` at most; or the point from which it does not go on, where there is no
+    To within ``tolerance``, J/m, by as many ``iterations`` at most; or to where there is no
     direction that is as good as exact.
     """
-    pattern, evaluations = _pattern(problem), 0
+    problem, point, pattern = borrowed(problem), borrowed(point), borrowed(pattern)
+    evaluations = 0
     for k in range(iterations):
         left = sum_of(point.distance)
         if left <= tolerance:
-            return point, left, k, evaluations
+            return left, k, evaluations
         factor, bad = _factor(problem, pattern, point.kn, point.ks)
         if bad >= 0:
-            return point, left, k, evaluations
-        residual = point.residual
-        direction = ldlt.solve(factor, residual)  # 0 for the block that stands still
-        decrement = dot(residual, direction)
+            return left, k, evaluations
+        direction = ldlt.solve(factor, point.residual)  # 0 for the block that stands still
+        decrement = dot(point.residual, direction)
         if not 0.0 < decrement < np.inf:
-            return point, left, k, evaluations
-        point, tries = _searched(problem, point, direction, decrement)
-        evaluations += tries
+            return left, k, evaluations
+        evaluations += _search(problem, point, direction, decrement)
         if decrement <= tolerance:
-            return point, min(decrement, sum_of(point.distance)), k + 1, evaluations
-    return point, sum_of(point.distance), iterations, evaluations
+            return min(decrement, sum_of(point.distance)), k + 1, evaluations
+    return sum_of(point.distance), iterations, evaluations
 
 
 @shared(EACH)
@@ -437,10 +437,10 @@ def _minimise(first, last, which, problem, springs, point, limits, results):
         own_problem, own_point, source = taken_out(
             own, place, problem[3], (problem[:4], links), point
         )
-        moved, left[r], counts[k, 0], counts[k, 1] = _minimum(
-            own_problem, own_point, limits[0], int(limits[1])
+        left[r], counts[k, 0], counts[k, 1] = _minimise_one(
+            own_problem, own_point, _pattern(own_problem), limits[0], int(limits[1])
         )
-        _write_point(own, source, moved, of_all)
+        _write_point(own, source, own_point, of_all)
 
 
 @kernel()

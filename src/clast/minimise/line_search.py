@@ -191,7 +191,7 @@ def lengths_along(island, line, springs, smooth, curvature, start):
 
 
 @shared(CONTACTS)
-def _advance(first, last, island, length, line, gap, slip):
+def advance(first, last, island, length, line, gap, slip):
     """Write gap and slip at the lengths of the links' islands."""
     at = _lengths(length, island[first:last])
     old_gap, d_gap = in_part((line[0], line[1]), first, last)
@@ -206,7 +206,7 @@ def _advance(first, last, island, length, line, gap, slip):
 def links_along(island, length, line, springs):
     """Return gap, slip, N, T and their stiffnesses (m,) at the lengths (r,) of the islands."""
     gap, slip = np.empty(len(island)), np.empty(len(island))
-    _advance(len(island), island, length, line, gap, slip)
+    advance(len(island), island, length, line, gap, slip)
     return gap, slip, *forces_at(gap, slip, springs)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
+from clast.compute.parallel import borrowed
 from clast.compute.vec6 import inner, row
 from clast.contact.jacobian import relative_motion
 from clast.step.impulses import (
@@ -460,9 +461,17 @@ def strike(velocity, acceleration, mobility, mass_matrix, closing, carries, limi
         np.zeros(blocks, np.bool_),
         np.array([0, 0, RENEWALS_PER_CONTACT_MAX * max(count, CONTACTS_COUNTED_MIN)]),
     )
-    _look_ahead(np.arange(count), bodies, contacts, live, limits)
+    return after, shift, _strike_all(bodies, contacts, live, around, limits, group)
+
+
+@kernel()
+def _strike_all(bodies, contacts, live, around, limits, group):
+    """Let all contacts strike that do, one after the other; return the energy lost, J/m."""
+    bodies, live, around = borrowed(bodies), borrowed(live), borrowed(around)
+    group = borrowed(group)
+    _look_ahead(np.arange(len(live.carries)), bodies, contacts, live, limits)
     lost, first = 0.0, _earliest(live)
     while first >= 0 and group.counts[2] > 0:
         lost += _strike(first, bodies, contacts, live, around, limits, group)
         first = _earliest(live)
-    return after, shift, lost
+    return lost
