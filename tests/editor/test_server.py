@@ -68,13 +68,20 @@ WRONG = [
     ({"Origin": "http://evil.example"}, 403),
     ({"Origin": "null"}, 403),
 ]
+READ = ["/case", "/news", "/section", "/underlays"]
+WRITE = ["/edit", "/text", "/undo", "/save", "/write", "/begin", "/underlays", "/picture"]
 
 
 @pytest.mark.parametrize(("headers", "status"), WRONG)
-@pytest.mark.parametrize("path", ["/case", "/news", "/edit", "/text", "/undo", "/save", "/write"])
-def test_pages_of_others_neither_read_nor_write(served, path, headers, status):
+@pytest.mark.parametrize(
+    ("path", "body"),
+    [
+        *((path, None) for path in READ),
+        *((path, {"version": 0, "text": "x = 1"}) for path in WRITE),
+    ],
+)
+def test_pages_of_others_neither_read_nor_write(served, path, body, headers, status):
     before = served.document.text
-    body = None if path in ("/case", "/news") else {"version": 0, "text": "x = 1"}
     assert ask(served, path, body, **headers)[0] == status
     assert served.document.text == before
 
@@ -83,6 +90,16 @@ def test_no_other_file_is_read(served):
     for path in ("/slope.toml", "/../slope.toml", "/etc/passwd", "/case/../../etc/passwd"):
         assert ask(served, path)[0] == 404
         assert ask(served, path, {"version": 0})[0] == 404
+
+
+@pytest.mark.parametrize("file", ["/etc/passwd", "../slope.toml", "slope.toml", ""])
+def test_underlays_are_files_of_the_case_that_are_pictures(served, tmp_path, file):
+    body = {"underlays": [{"file": file}]}
+    assert ask(served, "/picture", body)[0] == 409
+    assert ask(served, "/underlays", body)[0] == (200 if file == "slope.toml" else 409)
+    assert (tmp_path / "slope.edit.json").exists() == (file == "slope.toml")
+    assert ask(served, "/picture", {"underlays": []})[0] == 409
+    assert ask(served, "/underlays", {"underlays": [{"file": "a", "opacity": 2}]})[0] == 400
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from clast.cli.options import CaseFile, Settings
+from clast.cli.options import Settings
 from clast.cli.terminal import say
 from clast.errors import CaseError
 
@@ -15,7 +16,10 @@ HERE = ("127.0.0.1", 0)
 
 
 def edit(
-    case: CaseFile,
+    case: Annotated[
+        Path | None,
+        typer.Argument(metavar="CASE", help="Case file (TOML); without --view a new name too."),
+    ] = None,
     view: Annotated[
         bool, typer.Option("--view", help="Show the section only, beside another text editor.")
     ] = False,
@@ -24,6 +28,11 @@ def edit(
     """Edit a case file in a browser on this machine: forms, its text, faults at their fields."""
     from clast.run.progress import compilation_told
 
+    if case is None:
+        here = [f"'{one}'" for one in sorted(map(str, Path().glob("*.toml")))[:5]]
+        several = f"name one here ({', '.join(here)}), or " if here else ""
+        remedy = f"{several}begin a new one: clast edit new.toml"
+        raise CaseError("needs the name of a case file", where="clast edit", remedy=remedy)
     if settings and not view:
         remedy = "change the value in the window, or look on with --view"
         raise CaseError("is for runs and views", where="--set", remedy=remedy)
@@ -33,6 +42,10 @@ def edit(
 
             look_on(case, HERE, lambda address: say(f"view: {address}"), settings or ())
         else:
+            from clast.editor.document import begins
             from clast.editor.server import edit as serve
+
+            if begins(case):
+                say(f"new: {case} is written when the window has a case for it")
 
             serve(case, HERE, lambda address: say(f"edit: {address}"))

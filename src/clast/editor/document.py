@@ -58,7 +58,7 @@ class Document:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.filed = _text_of(path)
+        self.filed = "" if begins(path) else _text_of(path)
         """Content of the file as far as is known."""
         self.text = self.filed
         self.version = 0
@@ -159,7 +159,7 @@ class Document:
 
         Raises CaseError where the file cannot be read; the text stays then.
         """
-        found = _text_of(self.path)
+        found = "" if not self.filed and begins(self.path) else _text_of(self.path)
         if found in (self.filed, self.text):
             self.filed, self.conflict = found, None
         elif self.unsaved:
@@ -201,6 +201,12 @@ class Document:
         if self.conflict is not None:
             self.filed, theirs, self.conflict = self.conflict, self.conflict, None
             self._become(theirs)
+
+
+def begins(path: Path) -> bool:
+    """Return whether a path names a case that is not there yet, but may be."""
+    is_free = not path.exists() and not path.is_symlink()
+    return is_free and path.suffix == ".toml" and path.absolute().parent.is_dir()
 
 
 def _shared(one: str, other: str) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from clast.pictures.page.document import closed_page, file, module
 
 HERE = "clast.editor"
@@ -10,7 +12,7 @@ OF_PAGES = (
     "joints chosen supports axes layers legend"
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
-SCRIPTS = ("values", "hand", "form", "handles", "snaps", "choices", "draw", "edit")
+SCRIPTS = ("values hand form handles snaps choices draw underlay start edit").split()
 """Modules of the page, each after those that it imports."""
 
 
@@ -24,7 +26,7 @@ def view_text(name: str) -> str:
     return _text(name, "view", [], ("view_case",))
 
 
-def _text(name: str, kind: str, libraries: list[str], scripts: tuple[str, ...]) -> str:
+def _text(name: str, kind: str, libraries: list[str], scripts: Sequence[str]) -> str:
     """Return a page whose last module starts it."""
     own = [module(one, HERE) for one in ("section", *scripts)]
     start = f"modules.{scripts[-1]}.main();"

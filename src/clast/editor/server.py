@@ -19,9 +19,21 @@ from clast.editor.checking import Checked
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
+from clast.editor.starting import started, templates
+from clast.editor.underlay import (
+    PICTURE_ENDINGS,
+    Underlays,
+    beside,
+    drawn,
+    files_beside,
+    keep,
+    picture,
+    underlays_of,
+)
 from clast.editor.worker import Worker, as_json
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.validation_messages import UDEC
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
 
 REST, LOOK = 0.3, 0.5
@@ -60,6 +72,8 @@ class EditServer(GuardedServer):
         """Why the file could not be read or written."""
         self._touched = 0.0
         self._state = (-1, "")
+        self._drawings: dict[str, tuple[int, dict[str, Any]]] = {}
+        """Lines of the drawings under the section, and the stamp of their file."""
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
         self.worker = Worker(str(path), self.changed, self._tell)
         """Cuts and checks the text."""
@@ -76,6 +90,7 @@ class EditServer(GuardedServer):
             "/edit": lambda: document.edit(asked.edits, version, asked.gesture),
             "/move": lambda: document.edit(asked.edits, version, asked.gesture),
             "/text": lambda: document.replace(text, version, asked.gesture),
+            "/begin": lambda: document.replace(started(document.path, asked.text), version),
             "/undo": lambda: document.undo(version),
             "/redo": lambda: document.redo(version),
             "/save": document.save,
@@ -120,6 +135,23 @@ class EditServer(GuardedServer):
             if self._state[0] != self.stamp:
                 self._state = (self.stamp, as_json(self.state()))
             return self._state[1]
+
+    def underlays(self) -> dict[str, Any]:
+        """Return the drawings and pictures under the section, and the files that may be."""
+        case = self.document.path
+        kept, trouble = underlays_of(case)
+        drawings: dict[str, Any] = {}
+        for name in {one.file for one in kept.underlays}:
+            try:
+                stamp = beside(case, name).stat().st_mtime_ns
+                if name not in self._drawings or self._drawings[name][0] != stamp:
+                    is_picture = name.lower().endswith(PICTURE_ENDINGS)
+                    self._drawings[name] = stamp, {} if is_picture else drawn(case, name)
+                drawings[name] = self._drawings[name][1]
+            except CaseError as error:
+                drawings[name] = {"trouble": str(error)}
+        shown = {"drawings": drawings, "files": files_beside(case), "trouble": trouble}
+        return {**kept.model_dump(), **shown}
 
     def watch(self, stop: threading.Event) -> None:
         """Look at the file and save the text while the hand rests, until told to stop."""
@@ -176,15 +208,17 @@ class EditHandler(GuardedHandler):
             return
         if self.path == "/":
             self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
-        elif self.path not in ("/case", "/news", "/section"):
+        elif self.path not in ("/case", "/news", "/section", "/underlays"):
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         elif self.has_token():
             if self.path == "/news":
                 self.stream(self._news)
             elif self.path == "/section":
                 self.send(HTTPStatus.OK, "application/json", self.server.worker.section)
+            elif self.path == "/underlays":
+                self.send(HTTPStatus.OK, "application/json", as_json(self.server.underlays()))
             else:
-                self._answer(schema=json_schema())
+                self._answer(schema=json_schema(), templates=templates(), udec=UDEC)
 
     def do_POST(self) -> None:
         """Carry out a request of a window; answer with the case after it."""
@@ -192,6 +226,9 @@ class EditHandler(GuardedHandler):
         if body is None:
             return
         try:
+            if self.path in ("/underlays", "/picture"):
+                self._underlay(Underlays.model_validate_json(body))
+                return
             self.server.do(self.path, Asked.model_validate_json(body))
         except NoSuchRequest:
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such request")
@@ -204,6 +241,18 @@ class EditHandler(GuardedHandler):
             # what moves shows its lines at once: blocks come when it rests
             lines = {"lines": self.server.lines()} if self.path == "/move" else {}
             self._answer(**lines)
+
+    def _underlay(self, asked: Underlays) -> None:
+        """Keep the list of underlays, or send the picture of the first."""
+        case = self.server.document.path
+        try:
+            if self.path == "/underlays":
+                keep(case, asked)
+                self.send(HTTPStatus.OK, "application/json", as_json(self.server.underlays()))
+            else:
+                self.send(HTTPStatus.OK, *picture(case, asked.underlays[0].file))
+        except (CaseError, IndexError) as error:
+            self.refuse(HTTPStatus.CONFLICT, str(error))
 
     @property
     def _name(self) -> str:

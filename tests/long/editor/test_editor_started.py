@@ -79,9 +79,21 @@ def memory(process):
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path):
-    command = [sys.executable, "-m", "clast", "edit", "none.toml"]
-    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+def refusal(folder, *arguments):
+    command = [sys.executable, "-m", "clast", "edit", *arguments]
+    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert ended.returncode == 2
-    assert "none.toml: there is no such file" in ended.stderr
     assert "Traceback" not in ended.stderr
+    return ended.stderr
+
+
+def test_where_no_case_can_be_is_told(tmp_path):
+    assert "none/a.toml: there is no such file" in refusal(tmp_path, "none/a.toml")
+    assert "none.txt: there is no such file" in refusal(tmp_path, "none.txt")
+    assert "none.toml: there is no such file" in refusal(tmp_path, "--view", "none.toml")
+
+
+def test_without_a_name_the_cases_here_are_named(tmp_path):
+    assert "clast edit new.toml" in refusal(tmp_path)
+    (tmp_path / "slope.toml").write_text("")
+    assert "'slope.toml'" in refusal(tmp_path)

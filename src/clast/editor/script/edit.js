@@ -3,6 +3,8 @@ import { Hand } from "./hand.js";
 import { showForms, tableAt } from "./form.js";
 import { Section, marksOf } from "./section.js";
 import { Tools } from "./draw.js";
+import { offerStarts } from "./start.js";
+import { Underlays } from "./underlay.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
@@ -11,11 +13,14 @@ const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
 let hand = null, typing = 0, section = null, sections = 0, patience = 0, tools = null;
 
-async function ask(path, body) {
+async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
   if (!answer.ok) throw new Error(await answer.text());
-  return answer.json();
+  return answer;
 }
+
+const ask = async (path, body) => (await fetched(path, body)).json();
+const picture = async (file) => (await fetched("/picture", { underlays: [{ file }] })).blob();
 
 /** Show an answer, unless a newer one is shown. */
 function show(answer) {
@@ -153,7 +158,9 @@ export async function main() {
     document.activeElement?.blur();
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
-  globalThis.clastEditor = { state, hand, goTo, section, tools };
+  const under = new Underlays(section, { ask, picture, state, hand, goTo });
+  offerStarts($("start"), { state, hand, ask });
+  globalThis.clastEditor = { state, hand, goTo, section, tools, under };
   document.body.dataset.ready = "yes";
   listen();
 }

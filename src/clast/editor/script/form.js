@@ -84,7 +84,7 @@ function addTable(ctx, name, one, kind) {
 const freeName = (held, name) => { for (let n = 1; ; n++) if (!((held ?? {})[`${name} ${n}`])) return `${name} ${n}`; };
 
 /** Names that a key may refer to: of [joint.NAME] and the like, or of entries that have a name. */
-function namesOf(ctx, node) {
+export function namesOf(ctx, node) {
   const refers = node["x-clast"]?.refers_to;
   return (refers ? [refers].flat() : []).flatMap((table) => {
     const held = ctx.content[table];

@@ -51,6 +51,8 @@ export class Section {
     this.moving = [];
     this.marks = [];
     this.lit = null;
+    /** What lies under the section: has ``draw(pen)``, ``take(x, y)`` and ``points()``, m. */
+    this.under = null;
     this.state = { frame: 0, field: "rock", share: null, limits: null, layers: new Set(), chosen: -1, joint: null };
     /** Layers that somebody has switched: whether they are on. */
     this.wanted = new Map();
@@ -130,7 +132,8 @@ export class Section {
   /** Show all that is drawn. */
   fit() {
     const box = this.run && !this.showsFile ? this.run.boxOf(this.run.start) : [Infinity, Infinity, -Infinity, -Infinity];
-    const around = this.showsFile ? this.lines.flatMap(({ points }) => points).map((point) => this.local(point)) : (this.run?.surroundings ?? []);
+    const around = this.showsFile ? this.lines.flatMap(({ points }) => points).map((point) => this.local(point)) : [...(this.run?.surroundings ?? [])];
+    if (this.origin && !around.length && (!this.run || this.showsFile)) around.push(...(this.under?.points() ?? []).map((point) => this.local(point)));
     for (const [x, y] of around) {
       [box[0], box[1], box[2], box[3]] = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
     }
@@ -162,6 +165,7 @@ export class Section {
 
   click(x, y) {
     if (this.tools?.isDrawing && this.tools.click(x, y)) return;
+    if (this.under?.take(x, y)) return;
     const mark = this.marks.find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
     if (mark) return this.asked(mark);
     if (this.tools?.click(x, y)) return;
@@ -244,6 +248,7 @@ export class Section {
       if (run) fillLegend(this.root.querySelector(".entries"), seen);
     }
     const pen = this.penOf(this.above);
+    if (this.origin) this.under?.draw(pen);
     if (run) {
       for (const name of layersOf(run)) if (state.layers.has(name)) LAYERS[name].draw(pen, seen);
       if (state.chosen >= 0) drawChosen(pen, seen);

@@ -1,0 +1,198 @@
+"""Drawings and pictures under the section while a case is edited.
+
+Their list stands in ``CASE.edit.json`` beside the case, never in it: a run does not know of them.
+Files are those in the folder of the case and below it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from itertools import chain, islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from clast.errors import CaseError, shortened
+from clast.model.arrays import Floats
+from clast.rockmass.drawings.drawing import Drawing
+from clast.rockmass.drawings.drawing_files import checked_file, replaced
+from clast.rockmass.drawings.drawn_loops import CLOSURE, DrawnLine, loops_of, ring
+from clast.rockmass.drawings.dxf import role_of
+from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.features import READERS as FEATURES
+from clast.rockmass.readers import read_drawing
+
+PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+"""First bytes of a picture -> its kind."""
+PICTURE_ENDINGS = (".png", ".jpg", ".jpeg")
+DRAWING_ENDINGS = (".dxf", ".csv", ".xml", *FEATURES)
+PICTURE_BYTES_MAX, POINTS_MAX = 50_000_000, 200_000
+"""Larger pictures, and drawings of more points, are refused."""
+LISTED_MAX, DEEP_MAX = 200, 3
+"""Files that are offered at most, and how many folders below that of the case, less one."""
+
+Pair = tuple[float, float]
+
+
+class Underlay(BaseModel):
+    """One file under the section, and how it is shown."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    file: str
+    """Its name from the folder of the case."""
+    opacity: float = Field(0.6, ge=0.0, le=1.0)
+    shown: bool = True
+    locked: bool = False
+    """Whether clicks neither place it nor take lines of it."""
+    hidden: list[str] = []
+    """Layers that are not shown."""
+    pixels: tuple[Pair, Pair] | None = None
+    """Two points of a picture, from its upper left corner."""
+    points: tuple[Pair, Pair] | None = None
+    """Their places in the section, m."""
+
+
+class Underlays(BaseModel):
+    """Content of ``CASE.edit.json``."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    underlays: list[Underlay] = Field([], max_length=20)
+
+
+def underlays_of(case: Path) -> tuple[Underlays, str]:
+    """Return the underlays of a case, none where their file is broken, and what is wrong then."""
+    path = _file_of(case)
+    if not path.exists():
+        return Underlays(), ""
+    try:
+        return Underlays.model_validate_json(checked_file(path).read_bytes()), ""
+    except ValidationError:
+        return Underlays(), f"{path.name} is not a list of underlays: it is left unread"
+    except (CaseError, OSError) as error:
+        return Underlays(), f"{path.name} is left unread: {error}"
+
+
+def keep(case: Path, underlays: Underlays) -> None:
+    """Write the underlays of a case, whole; raises CaseError for files elsewhere."""
+    for one in underlays.underlays:
+        beside(case, one.file)
+    with replaced(_file_of(case)) as file:
+        file.write(underlays.model_dump_json(indent=1).encode("utf-8"))
+
+
+def beside(case: Path, name: str) -> Path:
+    """Return a file in the folder of a case or below it; raises CaseError for any other."""
+    folder = case.resolve().parent
+    try:
+        path = (folder / name).resolve()
+    except (OSError, RuntimeError, ValueError):  # loops of links, a NUL in the name
+        path = Path(name)
+    if not name or not path.is_relative_to(folder):
+        what, remedy = "is not in the folder of the case", f"copy it to {folder}"
+        raise CaseError(what, where=shortened(name, 100) or "the file", remedy=remedy)
+    return checked_file(path)
+
+
+def files_beside(case: Path) -> list[str]:
+    """Return the names of drawings and pictures in the folder of a case and below, sorted."""
+    folder = case.resolve().parent
+
+    def found() -> Iterator[str]:
+        for here, folders, names in os.walk(folder):
+            at = Path(here).relative_to(folder)
+            is_deep = len(at.parts) >= DEEP_MAX - 1
+            folders[:] = [] if is_deep else sorted(one for one in folders if one[0] not in "._")
+            for name in sorted(names):
+                if name.lower().endswith((*DRAWING_ENDINGS, *PICTURE_ENDINGS)):
+                    yield (at / name).as_posix()
+
+    return sorted(name for name in islice(found(), LISTED_MAX) if not name.endswith(".edit.json"))
+
+
+def picture(case: Path, name: str) -> tuple[str, bytes]:
+    """Return kind and content of a PNG or JPEG; raises CaseError for anything else."""
+    path = beside(case, name)
+    if path.stat().st_size > PICTURE_BYTES_MAX:
+        what = f"has more than {PICTURE_BYTES_MAX // 1_000_000} MB"
+        raise CaseError(what, where=name, remedy="save it with fewer pixels")
+    content = path.read_bytes()
+    kind = next((kind for head, kind in PICTURES.items() if content.startswith(head)), None)
+    if kind is None:
+        raise CaseError("is not a picture", where=name, remedy="save it as PNG or JPEG")
+    return kind, content
+
+
+def drawn(case: Path, name: str) -> dict[str, Any]:
+    """Return the lines of a drawing as `clast import` reads them, for JSON.
+
+    ``lines`` and ``outlines`` (closed, counter-clockwise) have the name of their ``layer``, what
+    that says after its line (``name``) and ``points``, m; ``notes`` are those of the reader.
+    """
+    path = beside(case, name)
+    if path.suffix.casefold() == ".dxf":
+        content = dxf_content(path, lambda _: True)
+        lines = [_line(content.flat(_closed(one)), one.layer) for one in content.pieces]
+        outlines, notes = _outlines(content, name), [content.unit_source, *content.notes]
+    else:
+        drawing = read_drawing(path)
+        lines, outlines, notes = _lines(drawing), _rims(drawing), list(drawing.notes)
+    if sum(len(one["points"]) for one in chain(lines, outlines)) > POINTS_MAX:
+        what = f"has more than {POINTS_MAX} points"
+        raise CaseError(what, where=name, remedy="save the lines that are needed alone")
+    return {"lines": [*lines], "outlines": [*outlines], "notes": [*dict.fromkeys(notes)]}
+
+
+def _file_of(case: Path) -> Path:
+    return case.with_suffix(".edit.json")
+
+
+def _line(points: Floats, layer: str, name: str | None = None) -> dict[str, Any]:
+    # what a change of units leaves in the last digits is nobody's measurement
+    name = role_of(layer)[1] if name is None else name
+    return {"layer": layer, "name": name, "points": np.round(points, 9).tolist()}
+
+
+def _closed(piece: Piece) -> Piece:
+    """Return a piece with its first point repeated where it is closed."""
+    if not piece.closed:
+        return piece
+    points = np.vstack([piece.points, piece.points[:1]])
+    return Piece(**{**vars(piece), "points": points, "closed": False})
+
+
+def _outlines(content: DxfContent, name: str) -> list[dict[str, Any]]:
+    """Return the closed outlines of each layer, those of several lines that meet end to end too."""
+    corners = np.vstack([np.zeros((0, 2)), *map(content.flat, content.pieces)])
+    near = CLOSURE * float(np.hypot(*np.ptp(corners, axis=0))) if len(corners) else 0.0
+    found = []
+    for layer in content.layers:
+        lines = [
+            DrawnLine(points=content.flat(one), closed=one.closed, place=one.place)
+            for one in content.pieces
+            if one.layer == layer and len(one.points) > 1
+        ]
+        for some in (lines, [one for one in lines if one.closed]):
+            try:
+                loops = [ring(one, "the outline", name)[0] for one in loops_of(some, near, name)]
+            except CaseError:
+                continue  # of lines that do not close those that do by themselves are left
+            found += [_line(points, layer) for points in loops]
+            break
+    return found
+
+
+def _rims(drawing: Drawing) -> list[dict[str, Any]]:
+    rim = [] if drawing.boundary is None else [_line(drawing.boundary, "boundary", "")]
+    openings = [_line(one.points, "openings", one.name) for one in drawing.openings]
+    return [*rim, *openings, *(_line(one.points, "regions", one.name) for one in drawing.regions)]
+
+
+def _lines(drawing: Drawing) -> list[dict[str, Any]]:
+    rims = [{**one, "points": [*one["points"], one["points"][0]]} for one in _rims(drawing)]
+    traces = [_line(one.points, f"traces of {one.joint}", one.joint) for one in drawing.traces]
+    return [*rims, *traces, *(_line(one.ends, "bolts", one.name) for one in drawing.bolts)]
