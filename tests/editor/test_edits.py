@@ -8,18 +8,13 @@ from clast.case.templates import TEMPLATES
 from clast.editor.edits import Edit, edited
 from clast.editor.places import places_of
 from clast.errors import CaseError
-from scenes.odd_toml import ODD, at, places
+from scenes.odd_toml import ODD, at, changed_and_back, places, written
 from scenes.places import ROOT
 
 WORKED = {path.name: path.read_bytes().decode() for path in (ROOT / "cases").rglob("*.toml")}
 TEXTS = {**TEMPLATES, **{name: WORKED[name] for name in ("wall.toml", "wall-2x6.toml")}}
 TEXTS["odd"] = ODD
 TEXTS["odd, from Windows"] = ODD.replace("\n", "\r\n")
-
-
-def written(text: str) -> dict:
-    """Return the values of a text by place."""
-    return {place: text[one.start : one.end] for place, one in places_of(text).values.items()}
 
 
 @pytest.mark.parametrize("text", [*TEMPLATES.values(), *WORKED.values(), TEXTS["odd"]])
@@ -38,26 +33,9 @@ def test_every_value_is_where_it_is_said_to_be(text):
 def test_a_value_changed_and_changed_back_gives_the_old_bytes(name):
     text = TEXTS[name]
     content, found = tomllib.loads(text), written(text)
-    step = max(1, len(found) // 12)  # each value in the slow test below
+    step = max(1, len(found) // 12)  # each value: tests/long/editor
     for place, raw in list(found.items())[::step]:
         changed_and_back(text, content, place, raw)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [*TEMPLATES, "odd"])
-def test_every_value_changed_and_changed_back_gives_the_old_bytes(name):
-    text = TEXTS[name]
-    content = tomllib.loads(text)
-    for place, raw in written(text).items():
-        changed_and_back(text, content, place, raw)
-
-
-def changed_and_back(text, content, place, raw):
-    other = edited(text, Edit("set", place, '"another"'))
-    assert at(tomllib.loads(other), place) == "another"
-    assert len(other) == len(text) + len('"another"') - len(raw)
-    back = edited(other, Edit("set", place, raw))
-    assert back == text
 
 
 @pytest.mark.parametrize("name", TEMPLATES)

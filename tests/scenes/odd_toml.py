@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import copy
 import json
+import tomllib
 from collections.abc import Iterator
 from typing import Any
 
-from clast.editor.edits import Edit
+from clast.editor.edits import Edit, edited
+from clast.editor.places import places_of
 from clast.errors import Place
 
 ODD = (
@@ -103,3 +105,17 @@ def without_empty(content: Any) -> Any:
         return content
     inside = {key: without_empty(one) for key, one in content.items()}
     return {key: one for key, one in inside.items() if one not in ({}, [])}
+
+
+def written(text: str) -> dict:
+    """Return the values of a text by place."""
+    return {place: text[one.start : one.end] for place, one in places_of(text).values.items()}
+
+
+def changed_and_back(text: str, content: dict, place: Place, raw: str) -> None:
+    """Change a value to a text and back: nothing else of the case changes."""
+    other = edited(text, Edit("set", place, '"another"'))
+    assert at(tomllib.loads(other), place) == "another"
+    assert len(other) == len(text) + len('"another"') - len(raw)
+    back = edited(other, Edit("set", place, raw))
+    assert back == text

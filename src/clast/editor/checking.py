@@ -54,10 +54,11 @@ class Checked:
     def as_dict(self) -> dict[str, Any]:
         """Return it for JSON; ``place`` has keys and positions from 0, lines count from 1."""
         summary, model = self.summary, self.model
-        places = places_of(self.text) if self.content else None
-        told = [self._told(one, one.what, one.remedy, places) for one in self.faults]
         warnings = summary.warnings if summary else ()
         notes = summary.notes if summary else ()
+        is_placed = self.content and (self.faults or warnings or notes)
+        places = places_of(self.text) if is_placed else None
+        told = [self._told(one, one.what, one.remedy, places) for one in self.faults]
         return {
             "file": self.file,
             "blocks": model.block_count if model else None,

@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from clast.case.case_file import Case
 from clast.editor.edits import Edit, edited
@@ -68,6 +69,7 @@ class Document:
         self._done: list[Step] = []
         self._undone: list[Step] = []
         self._judged: tuple[str, CaseError | None] | None = None
+        self._read: tuple[str, dict[str, Any], Places] | None = None
 
     @property
     def trouble(self) -> CaseError | None:
@@ -84,10 +86,12 @@ class Document:
         return None
 
     @property
-    def places(self) -> Places:
-        """Where the values of the text stand; raises CaseError where it is not TOML."""
-        case_text.parse(self.text, str(self.path))
-        return places_of(self.text)
+    def read(self) -> tuple[dict[str, Any], Places]:
+        """The values of the text, and where they stand; raises CaseError where it is not TOML."""
+        if self._read is None or self._read[0] != self.text:
+            content = case_text.parse(self.text, str(self.path))
+            self._read = (self.text, content, places_of(self.text))
+        return self._read[1:]
 
     @property
     def unsaved(self) -> bool:
@@ -106,9 +110,9 @@ class Document:
         ``version`` is not the newest, CaseError where a change cannot be made.
         """
         self._check(version)
-        text = self.text
+        text, places = self.text, self.read[1]
         for one in edits:
-            text = edited(text, one, str(self.path))
+            text = edited(text, one, str(self.path), places if text == self.text else None)
         self._become(text, gesture)
 
     def replace(self, text: str, version: int, gesture: str = "") -> None:

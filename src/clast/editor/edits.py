@@ -31,12 +31,17 @@ class Edit:
     toml: str = ""
 
 
-def edited(text: str, edit: Edit, file: str = "case") -> str:
-    """Return a text with one change; raises CaseError where it is none that can be made there."""
-    case_text.parse(text, file)
+def edited(text: str, edit: Edit, file: str = "case", places: Places | None = None) -> str:
+    """Return a text with one change; raises CaseError where it is none that can be made there.
+
+    ``places`` are those of the text, where they are known.
+    """
+    if places is None:
+        case_text.parse(text, file)
+        places = places_of(text)
     if not edit.place:
         raise CaseError("names no place", where=file, remedy="name a table or a key")
-    changed = _WAYS[edit.do](places_of(text), edit.place, edit.toml)
+    changed = _WAYS[edit.do](places, edit.place, edit.toml)
     case_text.parse(changed, file)
     return changed
 

@@ -32,7 +32,6 @@ from clast.editor.underlay import (
 )
 from clast.editor.worker import Worker, as_json
 from clast.errors import CaseError
-from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring.validation_messages import UDEC
 from clast.pictures.live.guarded import GuardedHandler, GuardedServer
 
@@ -277,8 +276,8 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
     """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
     content, literals, file = None, {}, str(document.path)
     with suppress(CaseError):
-        places = document.places
-        content = _plain(case_text.parse(document.text, file))
+        values, places = document.read
+        content = _plain(values)
         literals = {
             json.dumps(place, ensure_ascii=False, separators=(",", ":")): raw
             for place, one in places.values.items()
