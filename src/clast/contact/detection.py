@@ -6,7 +6,7 @@ corner rule -> contacts with their memory, strength and arms.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,12 +30,12 @@ from clast.contact.joints.faces import with_faces
 from clast.contact.memory import (
     carried_by,
     first_rows,
+    order_by,
     pair_keys,
     pair_penetration,
     recall,
     taken_along,
 )
-from clast.model.bodies import Outlines
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State
 from clast.read_only import changed
@@ -106,10 +106,15 @@ def detect(
     known = of_vertices[1], sought.memory.block, sought.memory.edge
     row = recall((chosen[0], owners.take(chosen[1]), chosen[1]), known)
     if model.outlines is not None:
-        row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
-        direction = polygons[1]
-        chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, direction, chosen)
-        polygons, row = _polygons(model, state), row[order]
+        one, looked_at = model.outlines, (sought.vertices, polygons[1])
+        polygons = _polygons(model, state)
+        chosen, pairs, order = _of_blocks(
+            chosen[:2],
+            looked_at,
+            (one.vertex, one.run_start, one.run_edge, one.run_place),
+            (model.vertex_block, *polygons[:2]),
+        )
+        row = np.append(sought.row, -1).take(row.take(order))
     return _contacts(model, state, centroid, pairs, polygons, (chosen, row), reach.critdis)
 
 
@@ -179,54 +184,82 @@ def _sought(model: Model, state: State) -> _Sought:
             row=_NO_ROWS,
             owners=model.vertex_block,
         )
-    vertex, edge = one.of_vertex[memory.vertex], one.of_edge[memory.edge]
-    outline = np.searchsorted(one.start, edge, side="right") - 1
-    # edges are numbered outline by outline
-    row = np.argsort(vertex * len(one.vertex) + edge, kind="stable")
-    row = row[(vertex[row] >= 0) & (edge[row] >= 0)]
-    kept = {name: values[row] for name, values in vars(memory).items()}
+    vertex, edge = one.of_vertex.take(memory.vertex), one.of_edge.take(memory.edge)
+    row = ((vertex >= 0) & (edge >= 0)).nonzero()[0]
+    vertex, edge = vertex.take(row), edge.take(row)
+    block = one.owners.take(edge)
+    order: Ints = order_by(vertex, block, edge)
+    row = row.take(order)
     return _Sought(
-        vertices=state.vertices[one.vertex],
+        vertices=state.vertices.take(one.vertex, axis=0),
         start=one.start,
         block=one.block,
         vertex=one.vertex,
         fixed=one.fixed,
         absent=one.absent,
-        memory=replace(
-            memory, **{**kept, "vertex": vertex[row], "block": outline[row], "edge": edge[row]}
+        memory=ContactMemory(
+            vertex=vertex.take(order),
+            block=block.take(order),
+            edge=edge.take(order),
+            gap=memory.gap.take(row),
         ),
         row=row,
         owners=one.owners,
     )
 
 
-def _of_blocks(
-    model: Model,
-    one: Outlines,
-    state: State,
-    sought: _Sought,
-    direction: Floats,
-    chosen: Chosen,
-) -> tuple[Chosen, Ints, Ints]:
+@kernel()
+def _of_blocks(contacts, outlines, runs, blocks):
     """Return contacts found on outlines as those of blocks, the pairs of these, and their order.
 
-    Each belongs to the block on whose edge its foot is.  ``direction`` is that of the outlines.
+    Each belongs to the block on whose edge its foot is.  ``contacts`` are vertex and edge (m,),
+    ``outlines`` vertices and directions of edges; ``runs`` the vertex, run_start, run_edge and
+    run_place of ``Outlines``, ``blocks`` the block of each vertex of the model, the vertices and
+    the directions of edges.
     """
-    vertex, edge, _, _ = chosen
-    from_begin = sought.vertices[vertex] - sought.vertices[edge]
-    along = np.sum(from_begin * direction[edge], axis=1)
-    vertex, edge = one.vertex[vertex], one.edges_at(edge, along)
-    count = model.block_count
-    key = pair_keys(model.vertex_block[vertex], model.vertex_block[edge], count)
-    order = np.lexsort((vertex * len(model.vertex_block) + edge, key))
-    vertex, edge, key = vertex[order], edge[order], key[order]
-    begins = np.ones(len(key), np.bool_)
-    np.not_equal(key[1:], key[:-1], out=begins[1:])
-    pairs, pair = np.stack(np.divmod(key[begins], count), axis=1), np.cumsum(begins) - 1
-    direction = polygon.edges(state.vertices, model.block_start)[0][edge]
-    away = state.vertices[vertex] - state.vertices[edge]
-    gap = away[:, 0] * direction[:, 1] - away[:, 1] * direction[:, 0]
-    return (vertex, edge, pair, gap), pairs, order
+    (of_vertex, of_edge), (corners, along), (corner, start, pieces, place) = (
+        contacts,
+        outlines,
+        runs,
+    )
+    vertex_block, vertices, direction = blocks
+    count = len(of_edge)
+    vertex, edge = np.empty(count, np.int64), np.empty(count, np.int64)
+    lower, higher = np.empty(count, np.int64), np.empty(count, np.int64)
+    number = np.empty(count, np.int64)
+    for c in range(count):
+        p, e = of_vertex[c], of_edge[c]
+        first, last = start[e], start[e + 1]
+        if last - first > 1:
+            way = (corners[p, 0] - corners[e, 0]) * along[e, 0]
+            way += (corners[p, 1] - corners[e, 1]) * along[e, 1]
+            way = place[first] + max(way, 0.0)
+            while last - first > 1:
+                middle = (first + last) // 2
+                if place[middle] <= way:
+                    first = middle
+                else:
+                    last = middle
+        vertex[c], edge[c] = corner[p], pieces[first]
+        i, j = vertex_block[vertex[c]], vertex_block[edge[c]]
+        lower[c], higher[c] = min(i, j), max(i, j)
+        number[c] = vertex[c] * len(vertex_block) + edge[c]
+    order = order_by(lower, higher, number)
+    pairs, pair, gap, q = (
+        np.empty((count, 2), np.int64),
+        np.empty(count, np.int64),
+        np.empty(count),
+        -1,
+    )
+    for k in range(count):
+        c = order[k]
+        if q < 0 or pairs[q, 0] != lower[c] or pairs[q, 1] != higher[c]:
+            q += 1
+            pairs[q, 0], pairs[q, 1] = lower[c], higher[c]
+        p, e = vertex[c], edge[c]
+        x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+        pair[k], gap[k] = q, x * direction[e, 1] - y * direction[e, 0]
+    return (vertex[order], edge[order], pair, gap), pairs[: q + 1], order
 
 
 def _contacts(

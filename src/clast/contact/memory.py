@@ -257,31 +257,33 @@ def _order_of(contacts: Contacts) -> Ints:
     """Return the order of contacts in the memory, shape (m,): vertices, then points of faces."""
     keys = contacts.vertex, contacts.edge_block, contacts.edge
     if not is_any(contacts.point):
-        order: Ints = _order(*keys)
+        order: Ints = order_by(*keys)
         return order
     corners, inside = (np.flatnonzero(one) for one in (contacts.corners, ~contacts.corners))
-    of_corners = _order(*(np.ascontiguousarray(key[corners]) for key in keys))
+    of_corners = order_by(*(np.ascontiguousarray(key[corners]) for key in keys))
     of_inside = np.lexsort((contacts.point[inside], keys[2][inside], keys[0][inside]))
     return np.concatenate([corners[of_corners], inside[of_inside]])
 
 
 @kernel()
-def _order(vertex, block, edge):
-    """Return the order of contacts by vertex, then block, then edge, shape (m,).
+def order_by(first, second, third):
+    """Return the order of rows (m,) by three numbers of each, the ``first`` of them from 0 on.
 
-    By counting, then by insertion, for the contacts of one vertex are few.
+    By counting, then by insertion, for rows with the same first number are few, or nearly in order.
     """
     highest = -1
-    for c in range(len(vertex)):
-        highest = max(highest, vertex[c])
-    start = first_rows(vertex, highest + 1)
-    filled, order = start.copy(), np.empty(len(vertex), np.int64)
-    for c in range(len(vertex)):
-        position = filled[vertex[c]]
-        filled[vertex[c]] += 1
-        while position > start[vertex[c]]:
+    for c in range(len(first)):
+        highest = max(highest, first[c])
+    start = first_rows(first, highest + 1)
+    filled, order = start.copy(), np.empty(len(first), np.int64)
+    for c in range(len(first)):
+        position = filled[first[c]]
+        filled[first[c]] += 1
+        while position > start[first[c]]:
             other = order[position - 1]
-            if block[other] < block[c] or (block[other] == block[c] and edge[other] <= edge[c]):
+            if second[other] < second[c] or (
+                second[other] == second[c] and third[other] <= third[c]
+            ):
                 break
             order[position] = other
             position -= 1

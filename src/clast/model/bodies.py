@@ -61,13 +61,6 @@ class Outlines:
         """Outline of each vertex, shape (k,)."""
         return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
 
-    def edges_at(self, edge: Ints, along: Floats) -> Ints:
-        """Return the model's edges ``along`` m from the start of edges of the outlines, (m,)."""
-        first, last = self.run_start[edge], self.run_start[edge + 1] - 1
-        place = self.run_place[first] + np.maximum(along, 0.0)
-        piece = np.searchsorted(self.run_place, place, side="right") - 1
-        return self.run_edge[np.clip(piece, first, last)]
-
 
 def joined_outlines(
     vertices: Floats, block_start: Ints, area: Floats, fixed: Bools, absent: Bools
@@ -262,7 +255,7 @@ def _assembled(
     runs = [run for _, loop in outlines for run in loop]
     block = np.array([one for one, _ in outlines])
     pieces = [piece for run in runs for piece in run]
-    begin, edge = np.array(pieces).T
+    begin, edge = np.ascontiguousarray(np.array(pieces).T)
     corner = np.array([run[0][0] for run in runs])
     run_start = np.concatenate([[0], np.cumsum([len(run) for run in runs])])
     start = np.concatenate([[0], np.cumsum([len(loop) for _, loop in outlines])])

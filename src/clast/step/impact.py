@@ -35,6 +35,7 @@ from clast.compute.reductions import is_any, least
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw, has_multipliers, normal_stiffness_of
+from clast.contact.memory import order_by
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
@@ -166,7 +167,7 @@ def _struck(
     # those of many contacts not to the last digit.
     rank, edge = model.vertex_rank, contacts.edge[some]
     ends = rank.take(edge), rank.take(model.vertex_after.take(edge))
-    order = np.lexsort((np.maximum(*ends), np.minimum(*ends), rank.take(contacts.vertex[some])))
+    order = order_by(rank.take(contacts.vertex[some]), np.minimum(*ends), np.maximum(*ends))
     struck, carries = tuple(one[order] for one in struck), carries[order]
     inertia = mobilities(model, frames, context.state), frames.mass_matrix
     if held is not None:
