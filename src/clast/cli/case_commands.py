@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -51,15 +52,22 @@ if TYPE_CHECKING:
 def followed(
     output: Path, wanted: bool, at: str, progress: bool
 ) -> Iterator[bool | Callable[[Progress], None]]:
-    """Yield the watcher of a run: the page of ``output``, if it is wanted.
+    """Yield the watcher of a run: the page of ``output``, if it is wanted, or stdin and stdout.
 
     The page stays, when the run is over, as long as somebody looks at it.
     """
     if not wanted:
         yield progress
         return
-    from clast.pictures.live.leader import LivePage
+    from clast.pictures.live.leader import Led, LivePage
 
+    if at == "-":
+        led = Led(sys.stdout.fileno(), open(0, "rb", buffering=0, closefd=False), "end")
+        try:
+            yield led
+        finally:
+            led.over()
+        return
     page = LivePage(output, _address(at), wants_line=progress)
     say(f"live: {page.address}")
     try:

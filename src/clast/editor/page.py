@@ -12,7 +12,7 @@ OF_PAGES = (
     "joints chosen supports axes layers legend"
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
-SCRIPTS = ("values hand form handles snaps choices draw underlay start edit").split()
+SCRIPTS = ("values hand form handles snaps choices draw underlay start run edit").split()
 """Modules of the page, each after those that it imports."""
 
 
@@ -33,4 +33,4 @@ def _text(name: str, kind: str, libraries: list[str], scripts: Sequence[str]) ->
     program = ['"use strict";', "const modules = {};", *map(module, OF_PAGES), *own, start]
     style = file(f"{kind}.css", HERE) + file("section.css", HERE)
     markup = [file(f"{kind}.html", HERE)]
-    return closed_page(name, markup, style, [*libraries, "\n".join(program)], "'self'")
+    return closed_page(name, markup, style, [*libraries, "\n".join(program)], "'self'", "'self'")

@@ -19,6 +19,7 @@ from clast.editor.checking import Checked
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
+from clast.editor.running import Runs
 from clast.editor.starting import started, templates
 from clast.editor.underlay import (
     PICTURE_ENDINGS,
@@ -33,7 +34,9 @@ from clast.editor.underlay import (
 from clast.editor.worker import Worker, as_json
 from clast.errors import CaseError
 from clast.inputs.declaring.validation_messages import UDEC
-from clast.pictures.live.guarded import GuardedHandler, GuardedServer
+from clast.pictures.live.feed import Feed
+from clast.pictures.live.guarded import GuardedServer
+from clast.pictures.live.server import Handler
 
 REST, LOOK = 0.3, 0.5
 """The file gets the text when the hand has rested so long, and is looked at so often, s."""
@@ -43,6 +46,8 @@ LIFE = 5.0
 """A sign of life goes to every window at least so often, s."""
 BYTES_MAX = 5_000_000
 """Greatest length of a text from a window."""
+OF_RUN = ("/run", "/scene", "/page", "/events")
+"""Paths of the page of a run, which the window shows within it."""
 
 
 class NoSuchRequest(LookupError):
@@ -58,6 +63,7 @@ class Asked(BaseModel):
     edits: list[Edit] = []
     text: str = ""
     gesture: str = ""
+    number: int = 0
 
 
 class EditServer(GuardedServer):
@@ -69,6 +75,8 @@ class EditServer(GuardedServer):
         """Counts the news for windows."""
         self.trouble = ""
         """Why the file could not be read or written."""
+        self.runs, self.run_news = Runs(path, self._tell_of_runs), 0
+        """The runs, and a count of news of them."""
         self._touched = 0.0
         self._state = (-1, "")
         self._drawings: dict[str, tuple[int, dict[str, Any]]] = {}
@@ -76,6 +84,20 @@ class EditServer(GuardedServer):
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
         self.worker = Worker(str(path), self.changed, self._tell)
         """Cuts and checks the text."""
+
+    @property
+    def feed(self) -> Feed:
+        """The frames of the run that windows show."""
+        return self.runs.feed
+
+    def order(self, order: str) -> None:
+        """Hand a request of the page of a run on to it."""
+        self.runs.order(order)
+
+    def _run(self, version: int) -> None:
+        """Run the text, which a window has to know."""
+        self.document.edit((), version)
+        self.runs.start(self.document.text)
 
     def do(self, way: str, asked: Asked) -> None:
         """Carry out a request of a window; raises CaseError where it cannot be done.
@@ -98,6 +120,9 @@ class EditServer(GuardedServer):
             "/keep-theirs": document.keep_theirs,
             "/cut": self.worker.ask,
             "/stop-cut": self.worker.stop,
+            "/start": lambda: self._run(version),
+            "/stop": lambda: self.runs.order("end"),
+            "/look": lambda: self.runs.show(asked.number),
         }
         if way not in ways:
             raise NoSuchRequest
@@ -106,7 +131,13 @@ class EditServer(GuardedServer):
                 ways[way]()
             finally:
                 self._touched = time.monotonic()
+                self.run_news += 1
                 self._tell()
+
+    def _tell_of_runs(self) -> None:
+        with self.changed:
+            self.run_news += 1
+            self.changed.notify_all()
 
     def lines(self) -> list[Any]:
         """Return both ends of all lines that cut the rock mass, m; none where they are faulty."""
@@ -195,19 +226,25 @@ class EditServer(GuardedServer):
         self.changed.notify_all()
 
 
-class EditHandler(GuardedHandler):
-    """Answers one browser."""
+class EditHandler(Handler):
+    """Answers one browser; the page of a run is part of the window."""
 
     server: EditServer
     most_bytes = BYTES_MAX
+    framed = "SAMEORIGIN"
+    page_at = "/run"
+    stays = False
 
     def do_GET(self) -> None:
-        """Answer with the window, the case, or news of it."""
+        """Answer with the window, the case, news of it, or the page of its run."""
+        if self.path.partition("?")[0] in OF_RUN:
+            super().do_GET()
+            return
         if not self.is_from_here():
             return
         if self.path == "/":
             self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
-        elif self.path not in ("/case", "/news", "/section", "/underlays"):
+        elif self.path not in ("/case", "/news", "/section", "/underlays", "/ran"):
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         elif self.has_token():
             if self.path == "/news":
@@ -216,11 +253,18 @@ class EditHandler(GuardedHandler):
                 self.send(HTTPStatus.OK, "application/json", self.server.worker.section)
             elif self.path == "/underlays":
                 self.send(HTTPStatus.OK, "application/json", as_json(self.server.underlays()))
+            elif self.path == "/ran":
+                shown = self.server.runs.shown
+                text = as_json({"text": "" if shown is None else shown.text})
+                self.send(HTTPStatus.OK, "application/json", text)
             else:
                 self._answer(schema=json_schema(), templates=templates(), udec=UDEC)
 
     def do_POST(self) -> None:
         """Carry out a request of a window; answer with the case after it."""
+        if self.path == "/do":
+            super().do_POST()
+            return
         body = self.posted()
         if body is None:
             return
@@ -264,12 +308,20 @@ class EditHandler(GuardedHandler):
         self.send(HTTPStatus.OK, "application/json", text)
 
     def _news(self) -> None:
-        server, seen = self.server, -1
+        server, seen = self.server, (-1, -1)
         while True:
             with server.changed:
-                server.changed.wait_for(lambda: server.stamp != seen, LIFE)  # noqa: B023
-                seen, news = server.stamp, server.news()
-            self.event("case", news)
+                now = (server.stamp, server.run_news)
+                if now == seen:
+                    server.changed.wait(LIFE)
+                    now = (server.stamp, server.run_news)
+                # a sign of life where nothing is new
+                news = {"case": server.news()} if now[0] != seen[0] or now == seen else {}
+                if now[1] != seen[1]:
+                    news["runs"] = as_json(server.runs.as_dict())
+                seen = now
+            for kind, content in news.items():
+                self.event(kind, content)
 
 
 def _shown(document: Document, worker: Worker) -> dict[str, Any]:
@@ -332,4 +384,5 @@ def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
         server.worker.close()
         for one in threads:
             one.join()
+        server.runs.close()
         server.server_close()

@@ -1,6 +1,7 @@
 /** The window: shows the newest state of the case, and hands on what is done in it. */
 import { Hand } from "./hand.js";
 import { showForms, tableAt } from "./form.js";
+import { RunPanel } from "./run.js";
 import { Section, marksOf } from "./section.js";
 import { Tools } from "./draw.js";
 import { offerStarts } from "./start.js";
@@ -11,7 +12,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let hand = null, typing = 0, section = null, sections = 0, patience = 0, tools = null;
+let hand = null, typing = 0, section = null, sections = 0, patience = 0, tools = null, runs = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -55,6 +56,7 @@ function draw() {
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
   const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
+  runs.draw();
   const text = state.text.replaceAll("\r\n", "\n"); // as a field has it
   if (!isTyping && $("text").value !== text) $("text").value = text;
   const bad = new Set(state.faults.map((fault) => fault.line));
@@ -114,10 +116,10 @@ function choose(place) {
   draw();
 }
 
-/** Lines of two texts that are not in the other. */
-function differing(mine, theirs) {
+/** Lines of two texts that are not in the other, the second called by a name. */
+function differing(mine, theirs, name = "file") {
   const [here, there] = [mine.split("\n"), theirs.split("\n")], [own, other] = [new Set(here), new Set(there)];
-  return [...here.filter((line) => !other.has(line)).map((line) => `here:  ${line}`), ...there.filter((line) => !own.has(line)).map((line) => `file:  ${line}`)].join("\n");
+  return [...here.filter((line) => !other.has(line)).map((line) => `here:  ${line}`), ...there.filter((line) => !own.has(line)).map((line) => `${name}:  ${line}`)].join("\n");
 }
 
 /** Listen to news of the file until the server goes; then ask again. */
@@ -129,7 +131,10 @@ async function listen() {
       for (let rest = "", part = await reader.read(); !part.done; part = await reader.read()) {
         const events = (rest + part.value).split("\n\n");
         rest = events.pop();
-        for (const event of events) show(JSON.parse(event.slice(event.indexOf("data: ") + 6)));
+        for (const event of events) {
+          const news = JSON.parse(event.slice(event.indexOf("data: ") + 6));
+          if (event.startsWith("event: runs")) runs.show(news); else show(news);
+        }
       }
     } catch { $("saved").textContent = "the editor has ended, or does not answer"; }
     await new Promise((done) => setTimeout(done, 1000));
@@ -139,6 +144,7 @@ async function listen() {
 export async function main() {
   hand = new Hand(ask, show);
   section = new Section($("section"), (mark) => goTo(mark.place));
+  runs = new RunPanel({ state, hand, ask, token, differing });
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
   tools = new Tools(section, { state, hand, choose });
   $("file").textContent = state.file.split(/[\\/]/).at(-1);
@@ -160,7 +166,7 @@ export async function main() {
   });
   const under = new Underlays(section, { ask, picture, state, hand, goTo });
   offerStarts($("start"), { state, hand, ask });
-  globalThis.clastEditor = { state, hand, goTo, section, tools, under };
+  globalThis.clastEditor = { state, hand, goTo, section, tools, under, runs };
   document.body.dataset.ready = "yes";
   listen();
 }

@@ -16,7 +16,7 @@ from clast.errors import CaseError
 from clast.pictures.page.document import BUDGET, page_text
 from clast.pictures.page.frame_data import moving
 from clast.pictures.page.scene import scene_of, words_of
-from clast.results import Results, read_results
+from clast.results import Report, Results, read_results
 
 READ_INTERVAL_MIN, READ_PAUSE_RATIO = 0.25, 20.0
 """Time between two looks at the file at least, s, and in durations of the last look: a run that
@@ -49,6 +49,11 @@ class Feed:
     def frames(self) -> int:
         """Frames that are there."""
         return 0 if self._results is None else len(self._results.times)
+
+    @property
+    def report(self) -> Report | None:
+        """How the run went; None where it has no report yet, or never."""
+        return None if self._results is None else self._results.report
 
     @property
     def is_over(self) -> bool:

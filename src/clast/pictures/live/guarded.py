@@ -27,7 +27,6 @@ PAGES_MAX = 8
 HEADERS = {
     "Cache-Control": "no-store",
     "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
@@ -122,6 +121,8 @@ class GuardedHandler(BaseHTTPRequestHandler):
     timeout = TIMEOUT
     most_bytes = 1000
     """Greatest length of a request."""
+    framed = "DENY"
+    """Which pages may show these within them, as X-Frame-Options says it."""
 
     def setup(self) -> None:
         """Read requests with a limit of time."""
@@ -206,7 +207,7 @@ class GuardedHandler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", kind)
         if length is not None:
             self.send_header("Content-Length", str(length))
-        for name, value in HEADERS.items():
+        for name, value in {**HEADERS, "X-Frame-Options": self.framed}.items():
             self.send_header(name, value)
         self.end_headers()
 

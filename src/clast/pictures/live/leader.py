@@ -32,14 +32,21 @@ ORDERS = ("pause", "go", "step", "end", "checkpoint")
 """Requests of a page."""
 
 
-class LivePage:
-    """The page of a run that writes ``output``; it goes where ``progress`` of a run goes."""
+class Led:
+    """A run led by another program; it goes where ``progress`` of a run goes.
 
-    def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
+    ``said`` is the number of a file that gets a line of JSON a few times a second; ``at_end`` is
+    the request taken where the program has gone.
+    """
+
+    def __init__(
+        self, said: int, orders: IO[bytes], at_end: str, *, wants_line: bool = False
+    ) -> None:
         self.wants_line = wants_line
         self.line: Callable[[Progress], None] | None = None
         self.has_ended = False
-        """Whether the page has ended the run."""
+        """Whether the program has ended the run."""
+        self._out, self._at_end = said, at_end
         self._orders: SimpleQueue[str] = SimpleQueue()
         self._news = threading.Event()
         self._asked = False
@@ -50,32 +57,9 @@ class LivePage:
         self._where: dict[str, Any] = {}
         self._said = ""
         self._last: Progress | None = None
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "clast.pictures.live", str(Path(output).resolve()), at],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            # Ctrl-C is for the run
-            start_new_session=True,
-        )
-        self._pipe = cast("IO[bytes]", self._process.stdin)
-        heard = self._first_line()
-        if "fault" in heard:
-            self.close()
-            raise CaseError(heard["fault"], where="--live", remedy=heard["remedy"])
-        self.address: str = heard["address"]
-        """Where the page is: whoever knows it may look on and lead the run."""
-        # what a process that hangs does not read is lost, and not waited for
-        os.set_blocking(self._pipe.fileno(), False)
-        threading.Thread(target=self._hear, daemon=True).start()
-
-    def _first_line(self) -> dict[str, Any]:
-        """Return the first message of the process of the page."""
-        # How long the process of the page may take to begin, s
-        guard = threading.Timer(60.0, self._process.kill)
-        guard.start()
-        line = cast("IO[bytes]", self._process.stdout).readline()
-        guard.cancel()
-        return json.loads(line) if line else {"fault": "the page did not begin", "remedy": ""}
+        # what a program that hangs does not read is lost, and not waited for
+        os.set_blocking(said, False)
+        threading.Thread(target=self._hear, args=(orders,), daemon=True).start()
 
     # --- between steps -----------------------------------------------------------------------
 
@@ -133,20 +117,20 @@ class LivePage:
                 self._paused = order != "go"
             self._tell()
 
-    # --- the other process -------------------------------------------------------------------
+    # --- the other program -------------------------------------------------------------------
 
     def _tell(self) -> None:
         """Write a line that nobody need read."""
         line = {**self._where, "paused": self._paused, "said": self._said}
         # raw: what finds no room in a buffer of Python's would be written later, in the way
         with suppress(OSError, ValueError):
-            os.write(self._pipe.fileno(), json.dumps(line).encode() + b"\n")
+            os.write(self._out, json.dumps(line).encode() + b"\n")
 
-    def _hear(self) -> None:
-        """Take the requests of the page, until its process has gone."""
-        for line in cast("IO[bytes]", self._process.stdout):
+    def _hear(self, orders: IO[bytes]) -> None:
+        """Take requests, until who makes them has gone."""
+        for line in orders:
             self._order(line.decode().strip())
-        self._order("go")  # a run whose page has gone is not left waiting
+        self._order(self._at_end)
 
     def _order(self, order: str) -> None:
         if order in ORDERS:
@@ -154,13 +138,47 @@ class LivePage:
             self._asked = True
             self._news.set()
 
-    # --- the end -----------------------------------------------------------------------------
-
     def over(self) -> None:
-        """Say that the run is over, and where; the page stays as long as somebody looks at it."""
+        """Say that the run is over, and where."""
         if self._last is not None:
             self._where = _where(self._last)
             self._tell()
+
+
+class LivePage(Led):
+    """The page of a run that writes ``output``; it goes where ``progress`` of a run goes."""
+
+    def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "clast.pictures.live", str(Path(output).resolve()), at],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            # Ctrl-C is for the run
+            start_new_session=True,
+        )
+        self._pipe = cast("IO[bytes]", self._process.stdin)
+        heard = self._first_line()
+        if "fault" in heard:
+            self.close()
+            raise CaseError(heard["fault"], where="--live", remedy=heard["remedy"])
+        self.address: str = heard["address"]
+        """Where the page is: whoever knows it may look on and lead the run."""
+        # a run whose page has gone is not left waiting
+        orders = cast("IO[bytes]", self._process.stdout)
+        super().__init__(self._pipe.fileno(), orders, "go", wants_line=wants_line)
+
+    def _first_line(self) -> dict[str, Any]:
+        """Return the first message of the process of the page."""
+        # How long the process of the page may take to begin, s
+        guard = threading.Timer(60.0, self._process.kill)
+        guard.start()
+        line = cast("IO[bytes]", self._process.stdout).readline()
+        guard.cancel()
+        return json.loads(line) if line else {"fault": "the page did not begin", "remedy": ""}
+
+    def over(self) -> None:
+        """Say that the run is over, and where; the page stays as long as somebody looks at it."""
+        super().over()
         with suppress(OSError):
             self._pipe.close()
 

@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable
 from http import HTTPStatus
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from clast.errors import CaseError
@@ -30,19 +31,23 @@ class LiveServer(GuardedServer):
 class Handler(GuardedHandler):
     """Answers one browser."""
 
-    server: LiveServer
+    server: Any
+    """A LiveServer, or another that has a feed and takes orders."""
+    page_at = "/"
+    stays = True
+    """Whether who looks on hears signs of life after the end of the run."""
 
     def do_GET(self) -> None:
         """Answer with the page, its content, or news as they come."""
         parts = urlsplit(self.path)
         answers: dict[str, Callable[[str], None]] = {
-            "/scene": lambda _: self._answer("application/json", self.server.feed.scene),
-            "/page": lambda _: self._answer("text/html; charset=utf-8", self.server.feed.page),
+            "/scene": lambda _: self._content("application/json", self.server.feed.scene),
+            "/page": lambda _: self._content("text/html; charset=utf-8", self.server.feed.page),
             "/events": self._events,
         }
         if not self.is_from_here():
             return
-        if parts.path == "/":
+        if parts.path == self.page_at:
             self.send(HTTPStatus.OK, "text/html; charset=utf-8", live_text())
         elif parts.path not in answers:
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
@@ -66,7 +71,7 @@ class Handler(GuardedHandler):
 
     # --- answers -----------------------------------------------------------------------------
 
-    def _answer(self, kind: str, text: Callable[[], str]) -> None:
+    def _content(self, kind: str, text: Callable[[], str]) -> None:
         try:
             self.send(HTTPStatus.OK, kind, text())
         except CaseError as error:
@@ -100,3 +105,5 @@ class Handler(GuardedHandler):
                     self.event("words", text)
             # a page that shows the end has all of it
             self.event("status", json.dumps(status))
+            if over and not self.stays:
+                return

@@ -109,11 +109,19 @@ def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
 
 
 def closed_page(
-    title: str, body: Sequence[str], style: str, scripts: Sequence[str], network: str
+    title: str,
+    body: Sequence[str],
+    style: str,
+    scripts: Sequence[str],
+    network: str,
+    frames: str = "'none'",
 ) -> str:
-    """Return a page that runs ``scripts`` alone and may ask ``network``, as a policy has it."""
+    """Return a page that runs ``scripts`` alone, asks ``network``, has frames of ``frames``.
+
+    Both are in the words of a policy.
+    """
     policy = (
-        f"default-src 'none'; connect-src {network}; img-src data: blob:; "
+        f"default-src 'none'; connect-src {network}; frame-src {frames}; img-src data: blob:; "
         f"script-src {' '.join(map(_hash, scripts))}; style-src 'unsafe-inline'"
     )
     return "\n".join(

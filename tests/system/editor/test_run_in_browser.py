@@ -1,0 +1,114 @@
+"""Runs of a case from its window as a person makes them: run, look, pause, end, compare."""
+
+import os
+import signal
+
+import pytest
+
+from clast.case.templates import TEMPLATES
+from clast.results import read_results
+from scenes.browsers import CHROMIUM, until
+from scenes.edited import edited_file
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
+LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
+SHOWN = "clastEditor.runs.shown"
+
+
+@pytest.fixture
+def window(opened, tmp_path):
+    """Return a function that opens a text, with its page and server."""
+    windows = []
+
+    def open_text(text):
+        file = tmp_path / "case.toml"
+        file.write_text(text, "utf-8", newline="")
+        serving = edited_file(file)
+        server = serving.__enter__()
+        page = opened(server)
+        windows.append((page, serving))
+        page.wait_for_selector("body[data-ready]")
+        return page, file, server
+
+    yield open_text
+    for page, serving in windows:
+        page.close()
+        serving.__exit__(None, None, None)
+
+
+def over(page):
+    until(page, f"{SHOWN}?.over === true")
+
+
+def test_a_case_is_run_looked_at_and_changed_since(window):
+    page, file, _ = window(TEMPLATES["incline"])
+    page.click("#run")
+    over(page)
+    assert page.text_content("#ran") == "run 1: the run reached its end"
+    run = page.frame_locator("#page iframe")
+    run.locator("text=the run is over").wait_for()
+    assert page.is_hidden("#section")
+    kept = file.parent / "case.runs" / "1"
+    assert (kept / "case.toml").read_text("utf-8") == TEMPLATES["incline"]
+    results = read_results(kept / "case.vtkhdf")
+    assert results.report.finished and results.times[-1] == 1.0
+    assert page.is_hidden("#since")
+    page.select_option("#looking", "0")
+    assert page.is_visible("#section")
+    page.click("#toml summary")
+    changed = TEMPLATES["incline"].replace("end = 1.0", "end = 0.5")
+    page.fill("#text", changed)
+    until(page, "document.getElementById('ran').textContent.endsWith('has changed since')")
+    page.click("#since summary")
+    told = page.text_content("#since pre")
+    assert "here:  end = 0.5" in told and "run:  end = 1.0" in told
+    page.click("#run")
+    until(page, f"{SHOWN}?.number === 2 && {SHOWN}.over")
+    assert read_results(file.parent / "case.runs/2/case.vtkhdf").times[-1] == 0.5
+    page.select_option("#looking", "1")
+    until(page, f"{SHOWN}?.number === 1")
+    page.click("#back")
+    until(page, "clastEditor.state.text.includes('end = 1.0')")
+    page.click("#undo")
+    until(page, "clastEditor.state.text.includes('end = 0.5')")
+
+
+def test_a_run_is_paused_goes_on_and_ends_with_what_it_has(window):
+    page, file, _ = window(LONG)
+    page.click("#run")
+    page.click("#pause", timeout=60_000)
+    until(page, f"{SHOWN}.where.paused")
+    steps = page.evaluate(f"{SHOWN}.where.steps")
+    page.wait_for_timeout(500)
+    assert page.evaluate(f"{SHOWN}.where.steps") == steps > 0
+    assert page.text_content("#ran").startswith("run 1: paused, t ")
+    page.click("text=Go on >> nth=0")
+    until(page, f"{SHOWN}.where.steps > {steps}")
+    assert page.is_disabled("#run")
+    page.click("#end")
+    over(page)
+    assert "run 1: ended from its page at t = " in page.text_content("#ran")
+    page.click("#messages summary")
+    assert "case.checkpoint.h5 continues it" in page.text_content("#messages pre")
+    assert (file.parent / "case.runs/1/case.checkpoint.h5").exists()
+
+
+def test_a_run_that_is_killed_or_refused_says_so(window):
+    page, _, server = window(LONG)
+    page.click("#run")
+    until(page, f"{SHOWN}?.where.steps > 0 && {SHOWN}.frames > 0")
+    os.kill(server.runs.shown.process.pid, signal.SIGKILL)
+    over(page)
+    told = page.text_content("#ran")
+    assert told == "run 1: was killed by SIGKILL: it ended without a report"
+    page.frame_locator("#page iframe").locator("text=the run was killed").first.wait_for()
+    page.select_option("#looking", "0")
+    page.click("#toml summary")
+    page.fill("#text", LONG.replace("at = [1,9]", "at = [1,99]"))
+    until(page, "clastEditor.state.faults.length === 1")
+    page.click("#run")
+    until(page, f"{SHOWN}.number === 2 && {SHOWN}.over")
+    assert page.text_content("#ran") == "run 2: was refused"
+    assert page.is_visible("#section")
+    assert "measured point 'A'" in page.text_content("#messages pre")
+    assert page.is_visible("#messages pre")

@@ -1,0 +1,120 @@
+"""Runs of a case that is edited: what they run on, how they end, and that nothing of them stays."""
+
+import http.client
+import json
+import os
+import signal
+import time
+
+import pytest
+
+from clast.case.templates import TEMPLATES
+from clast.editor.running import Runs
+from clast.errors import CaseError
+from scenes.edited import edited_file
+
+LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
+
+
+def until(condition):
+    end = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def asked(address, path, body=None):
+    """Return status, headers and text of an answer of the editor at an address."""
+    place, _, token = address.removeprefix("http://").partition("/#token=")
+    connection = http.client.HTTPConnection(place, timeout=20)
+    content = None if body is None else json.dumps(body)
+    headers = {"Authorization": f"Bearer {token}"}
+    connection.request("GET" if body is None else "POST", path, content, headers)
+    answer = connection.getresponse()
+    found = answer.status, answer.headers, answer.read().decode()
+    connection.close()
+    return found
+
+
+@pytest.fixture
+def runs(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(TEMPLATES["incline"], "utf-8")
+    found = Runs(path, lambda: None)
+    yield found
+    found.close()
+
+
+def test_one_runs_at_a_time_and_an_earlier_one_is_shown_again(runs):
+    runs.start(LONG)
+    for again in (lambda: runs.start(LONG), lambda: runs.show(1)):
+        with pytest.raises(CaseError, match="run 1: is going on"):
+            again()
+    until(lambda: runs.shown.feed.frames)
+    runs.order("end")
+    until(lambda: runs.shown.is_over)
+    runs.close()
+    assert runs.shown.outcome.startswith("ended from its page at t = ")
+    runs.start(TEMPLATES["incline"])
+    until(lambda: runs.shown.is_over)
+    runs.close()
+    runs.show(1)
+    assert runs.shown.text == LONG
+    assert runs.shown.outcome.startswith("ended from its page at t = ")
+    assert runs.numbers == [1, 2]
+    with pytest.raises(CaseError, match="is not there"):
+        runs.show(7)
+
+
+def test_a_run_that_hangs_is_killed_by_the_second_request(runs):
+    runs.start(LONG)
+    until(lambda: runs.shown.feed.frames)
+    os.kill(runs.shown.process.pid, signal.SIGSTOP)
+    runs.order("end")
+    time.sleep(0.3)
+    assert not runs.shown.is_over and runs.as_dict()["shown"]["ending"]
+    runs.order("end")
+    until(lambda: runs.shown.is_over)
+    assert runs.shown.outcome == "was killed by SIGKILL: it ended without a report"
+
+
+@pytest.mark.parametrize("above", [0, 2])
+def test_files_that_a_case_names_are_kept_with_it(tmp_path, above):
+    """Those above its folder too: the copy that ran says what ran when they have changed."""
+    folder = tmp_path.joinpath("a", "b", "c")
+    folder.mkdir(parents=True)
+    name = "../" * above + "records/motion.csv"
+    record = folder / name
+    record.parent.mkdir()
+    record.write_text("0, 0\n0.5, 2\n1, 0\n", "utf-8")
+    text = TEMPLATES["incline"] + f'[ground_motion]\nacts = "body-force"\nfile = "{name}"\n'
+    runs = Runs(folder / "case.toml", lambda: None)
+    runs.start(text)
+    until(lambda: runs.shown.is_over)
+    runs.close()
+    assert runs.shown.outcome == "the run reached its end"
+    (kept,) = runs.folder.rglob("motion.csv")
+    assert kept.read_bytes() == record.read_bytes()
+    assert runs.shown.text == text
+
+
+def test_the_page_of_the_run_is_shown_by_the_editor_alone(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(TEMPLATES["incline"], "utf-8")
+    with edited_file(path) as server:
+        status, headers, text = asked(server.address, "/run?1")
+        assert status == 200 and headers["X-Frame-Options"] == "SAMEORIGIN"
+        assert server.token not in text
+        assert "frame-src 'self'" in asked(server.address, "/")[2]
+        assert asked(server.address, "/scene")[2] == "null"
+        version = server.document.version
+        assert asked(server.address, "/start", {"version": version})[0] == 200
+        until(lambda: server.runs.shown.is_over and server.feed.is_over)
+        scene = json.loads(asked(server.address, "/scene")[2])
+        assert scene["next"] == 101 and scene["status"]["over"]
+        events = asked(server.address, "/events?from=100")[2]  # ends by itself: the run is over
+        assert events.count("event: frames") == 1 and events.endswith("}\n\n")
+        assert json.loads(asked(server.address, "/ran")[2])["text"] == TEMPLATES["incline"]
+        assert asked(server.address, "/do", {"do": "pause"})[0] == 200
+        late = asked(server.address, "/start", {"version": version + 1})[2]
+        assert json.loads(late)["late"] and server.runs.numbers == [1]
