@@ -9,62 +9,10 @@ from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
 from scenes.browsers import CHROMIUM, until
 from scenes.edited import edited_file
+from scenes.hands import Hand
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
-
-
-class Hand:
-    """A person at a window: keys, and a mouse at places of the section, m."""
-
-    def __init__(self, page):
-        self.page = page
-        self.keys = page.keyboard
-        box = page.locator("#section canvas[tabindex]").bounding_box()
-        self.corner = box["x"], box["y"]
-
-    def at(self, x, y):
-        box = self.page.locator("#section canvas[tabindex]").bounding_box()
-        px, py = self.page.evaluate("(at) => clastEditor.section.screen(at)", [x, y])
-        return box["x"] + px, box["y"] + py
-
-    def click(self, x, y):
-        self.page.mouse.click(*self.at(x, y))
-
-    def drag(self, start, end, steps=4):
-        self.page.mouse.move(*self.at(*start))
-        self.page.mouse.down()
-        self.page.mouse.move(*self.at(*end), steps=steps)
-        self.page.mouse.up()
-
-    def tool(self, name, label=None):
-        self.page.click(f'[data-tool="{name}"]')
-        if label:
-            self.page.select_option("[aria-label='Drawn table']", label=label)
-
-    def type(self, *texts):
-        for text in texts:
-            self.page.fill(".tools .point input", text)
-            self.page.press(".tools .point input", "Enter")
-
-    def rest(self):
-        """Wait until all that was done is in the window."""
-        until(self.page, "!clastEditor.hand.isBusy && !clastEditor.hand.waiting.length")
-
-    @property
-    def content(self):
-        """What the text has now."""
-        self.rest()
-        return tomllib.loads(self.page.evaluate("clastEditor.state.text"))
-
-    @property
-    def steps(self):
-        """How many steps can be undone."""
-        self.rest()
-        return self.page.evaluate("clastEditor.state.undo[0]")
-
-    def say(self):
-        return self.page.inner_text(".tools .hint")
 
 
 @pytest.fixture

@@ -148,10 +148,14 @@ export function editsOf({ schema, content }, { table, kind, node, fixed, steps }
   const nameOf = (one) => [notesOf(one).refers_to ?? []].flat().flatMap((name) => (Array.isArray(content[name]) ? content[name].map((each) => each?.name) : Object.keys(content[name] ?? {})))[0];
   const all = { ...blank(schema, node, nameOf), ...GIVEN[table], ...like, ...fixed, ...values };
   if (node.required?.includes("name")) all.name = freeName(held, table.replaceAll("_", " "));
-  const written = toml(Object.fromEntries(Object.keys(node.properties).filter((key) => all[key] !== undefined).map((key) => [key, all[key]])));
+  const ours = { ...GIVEN[table], ...values }, text = (key) => (key in ours && !(key in like) ? numbersShort(ours[key]) : toml(all[key]));
+  const written = `{${Object.keys(node.properties).filter((key) => all[key] !== undefined).map((key) => `${key} = ${text(key)}`).join(", ")}}`;
   return kind === "one" ? { place: [table], edits: [{ do: "set", place: [table], toml: written }] }
     : { place: [table, held.length ?? 0], edits: [{ do: "insert", place: [table, held.length ?? 0], toml: written }] };
 }
+
+/** A value of numbers as TOML, long ones with a power of ten. */
+const numbersShort = (value) => (typeof value === "string" ? toml(value) : toml(value).replace(/\d{4,}0{3,}(?![\d.])/g, (digits) => Number(digits).toExponential().replace("+", "")));
 
 function freeName(held, word) {
   const names = new Set(held.map?.((one) => one?.name));
