@@ -1,4 +1,4 @@
-"""A person at the window of a case: the mouse at places of the section, keys, typed points, forms."""
+"""A person at the window of a case: mouse, keys, typed points, forms."""
 
 import json
 import tomllib
@@ -63,16 +63,15 @@ class Hand:
     def choose(self, *place):
         """Show the form of a table."""
         self.rest()
-        shown = json.dumps(list(place), separators=(",", ":"))
-        self.page.click(f"nav [data-table='{shown}']")
+        self.page.click(f"nav [data-table='{_shown(place)}']")
 
     def add(self, table, name=None):
         """Add a table by the list above the tables, and give it a name of its own."""
         self.rest()
+        before = self.page.evaluate("clastEditor.state.chosen")
         self.page.select_option(".add-table", value=table)
-        self.rest()
+        until(self.page, f"JSON.stringify(clastEditor.state.chosen) !== '{_shown(before)}'")
         if name is not None:
-            self.page.wait_for_selector(f".form h2:has-text('{table}')")
             self.page.fill(".form input[aria-label='name']", name)
             self.page.press(".form input[aria-label='name']", "Enter")
             self.page.wait_for_selector(f".form h2:has-text('{name}')")
@@ -94,12 +93,34 @@ class Hand:
         row.locator("select.form-of").first.select_option(label=label)
         self.rest()
 
+    def name_value(self, key, name, value):
+        """Give a value to one more name of a key that holds several."""
+        row = self.page.locator(f".form [data-key$='.{key}']").first
+        row.locator(".new-name").first.fill(name)
+        row.locator(".new-name").first.blur()
+        self.rest()
+        self._enter(row.locator("input[type=text]:not(.new-name)").last, value)
+        self.rest()
+
+    def vary(self, **values):
+        """Give keys distributions, which are texts in place of numbers."""
+        for key, value in values.items():
+            row = self.page.locator(f".form [data-key$='.{key}']").first
+            if not row.locator("select.form-of").count():
+                row.locator("> button[id]").click()
+                self.rest()
+            self.form_of(key, "text")
+            self._enter(row.locator("input[type=text]").first, value)
+        self.rest()
+
     def _fill(self, key, value):
         row = self.page.locator(f".form [data-key$='.{key}']").first
         whole = row.locator("> button[id]")
         if whole.count():
             whole.click()
             self.rest()
+        if whole.count() == 0 and row.locator("> output").count():
+            return  # there is one value alone
         if isinstance(value, list):
             self._fill_each(row, value)
         else:
@@ -127,3 +148,7 @@ class Hand:
         else:
             field.fill(str(value))
             field.blur()
+
+
+def _shown(place):
+    return json.dumps(list(place), separators=(",", ":"))

@@ -2,7 +2,11 @@
 
 import pytest
 
-from scenes.browsers import CHROMIUM
+from clast.case.templates import TEMPLATES
+from clast.editor.checking import check
+from scenes.browsers import CHROMIUM, until
+from scenes.edited import edited_file
+from scenes.hands import Hand
 
 
 @pytest.fixture(scope="module")
@@ -30,3 +34,28 @@ def opened(browser):
     yield open_page
     assert said == []
     assert [url for url, port in asked if not url.startswith(f"http://127.0.0.1:{port}/")] == []
+
+
+@pytest.fixture
+def drawing(opened, tmp_path):
+    """Return a function that opens a text as case.toml; it gives the hand in its window."""
+    windows = []
+
+    def open_text(text):
+        path = tmp_path / "case.toml"
+        path.write_text(text, "utf-8", newline="")
+        check(text or TEMPLATES["slope"], str(path))  # kernels are compiled before the window waits
+        serving = edited_file(path)
+        page = opened(serving.__enter__())
+        windows.append((page, serving))
+        page.wait_for_selector("body[data-ready]")
+        if not text:
+            page.wait_for_selector("#start[open]")
+            page.keyboard.press("Escape")  # begins with nothing at all
+        until(page, "clastEditor.section.origin !== null && clastEditor.state.sections > 0")
+        return Hand(page)
+
+    yield open_text
+    for page, serving in windows:
+        page.close()
+        serving.__exit__(None, None, None)

@@ -6,39 +6,14 @@ import tomllib
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
-from scenes.hands import Hand
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
 
 
-@pytest.fixture
-def window(opened, tmp_path):
-    """Return a function that opens a text; it gives the hand in its window."""
-    windows = []
-
-    def open_text(text):
-        path = tmp_path / "case.toml"
-        path.write_text(text, "utf-8", newline="")
-        check(text, str(path))  # kernels are compiled before the window is waited for
-        serving = edited_file(path)
-        page = opened(serving.__enter__())
-        windows.append((page, serving))
-        page.wait_for_selector("body[data-ready]")
-        until(page, "clastEditor.section.origin !== null && clastEditor.state.sections > 0")
-        return Hand(page)
-
-    yield open_text
-    for page, serving in windows:
-        page.close()
-        serving.__exit__(None, None, None)
-
-
-def test_an_outline_is_drawn_from_nothing_by_clicks_and_typed_points(window):
-    hand = window("")
+def test_an_outline_is_drawn_from_nothing_by_clicks_and_typed_points(drawing):
+    hand = drawing("")
     hand.page.focus("#section canvas[tabindex]")
     hand.keys.press("2")
     hand.click(0.0, 3.0)
@@ -60,8 +35,8 @@ def test_an_outline_is_drawn_from_nothing_by_clicks_and_typed_points(window):
     assert hand.content == {}
 
 
-def test_a_click_is_the_grid_or_its_pixel(window):
-    hand = window("")
+def test_a_click_is_the_grid_or_its_pixel(drawing):
+    hand = drawing("")
     hand.tool("more", "measured point")
     scale, step = hand.page.evaluate(
         "[clastEditor.section.view.scale, modules.snaps.gridStep(clastEditor.section.view.scale)]"
@@ -81,8 +56,8 @@ def test_a_click_is_the_grid_or_its_pixel(window):
     assert len(set(names)) == 3
 
 
-def test_a_click_at_a_vertex_is_that_vertex(window):
-    hand = window(SLOPE)
+def test_a_click_at_a_vertex_is_that_vertex(drawing):
+    hand = drawing(SLOPE)
     hand.tool("bolt", "bolt")
     scale = hand.page.evaluate("clastEditor.section.view.scale")
     hand.click(26.0 - 4 / scale, 6.0 + 4 / scale)
@@ -94,8 +69,8 @@ def test_a_click_at_a_vertex_is_that_vertex(window):
     assert (bolt["kind"], bolt["stage"]) == ("cable", "cables")  # like the one before
 
 
-def test_a_corner_follows_the_hand_as_one_step(window):
-    hand = window(SLOPE)
+def test_a_corner_follows_the_hand_as_one_step(drawing):
+    hand = drawing(SLOPE)
     hand.page.evaluate("clastEditor.goTo(['domain', 'rock'])")
     hand.page.evaluate(
         """() => {
@@ -117,8 +92,8 @@ def test_a_corner_follows_the_hand_as_one_step(window):
     assert hand.page.evaluate("clastEditor.state.text") == SLOPE
 
 
-def test_points_are_added_taken_away_and_nudged(window):
-    hand = window(SLOPE)
+def test_points_are_added_taken_away_and_nudged(drawing):
+    hand = drawing(SLOPE)
     hand.page.evaluate("clastEditor.goTo(['domain', 'rock'])")
     hand.drag((8.5, 24.0), (8.0, 27.0))  # the middle of a side
     boundary = hand.content["domain"]["boundary"]
@@ -137,8 +112,8 @@ def test_points_are_added_taken_away_and_nudged(window):
     assert len(inserted) == 7 and inserted[1] == pytest.approx([29.0, 3.0], abs=0.2)
 
 
-def test_a_whole_outline_is_dragged(window):
-    hand = window(SLOPE)
+def test_a_whole_outline_is_dragged(drawing):
+    hand = drawing(SLOPE)
     hand.page.evaluate("clastEditor.goTo(['water', 0, 'acts_on'])")
     line = tomllib.loads(SLOPE)["water"][0]["line"]
     middle = [sum(one[k] for one in line) / 3 for k in (0, 1)]
@@ -236,8 +211,8 @@ DRAWN = {
 """Tool and what it draws -> points as they are typed, table, values that the file gets."""
 
 
-def test_every_tool_writes_its_table(window):
-    hand = window(EMPTY)
+def test_every_tool_writes_its_table(drawing):
+    hand = drawing(EMPTY)
     for (tool, label), (points, table, expected) in DRAWN.items():
         before = hand.content
         steps = hand.steps
@@ -251,8 +226,8 @@ def test_every_tool_writes_its_table(window):
         assert hand.content == before, label
 
 
-def test_a_lining_gets_the_sides_that_are_clicked(window):
-    hand = window(EMPTY)
+def test_a_lining_gets_the_sides_that_are_clicked(drawing):
+    hand = drawing(EMPTY)
     hand.tool("lining", "lining: opening")
     hand.click(10.0, 9.5)
     hand.click(12.0, 9.0)  # right wall
@@ -267,8 +242,8 @@ def test_a_lining_gets_the_sides_that_are_clicked(window):
     assert len(set(names)) == 2
 
 
-def test_sides_are_held_and_freed(window):
-    hand = window(EMPTY)
+def test_sides_are_held_and_freed(drawing):
+    hand = drawing(EMPTY)
     hand.tool("support", "domain: fixed sides")
     for x, y in ((10.0, 0.3), (0.3, 9.0), (19.0, 9.0), (0.4, 9.0)):
         hand.click(x, y)
@@ -276,8 +251,8 @@ def test_sides_are_held_and_freed(window):
     assert hand.content["domain"]["fixed_sides"] == ["bottom", "right"]
 
 
-def test_sizes_have_handles(window):
-    hand = window(EMPTY)
+def test_sizes_have_handles(drawing):
+    hand = drawing(EMPTY)
     hand.tool("opening", "opening: circle")
     hand.type("5,5", "1.5")
     hand.rest()
@@ -298,8 +273,8 @@ def test_sizes_have_handles(window):
     assert hand.content["bolt_pattern"][0]["length"] == pytest.approx(3.0, abs=0.1)
 
 
-def test_a_line_that_crosses_itself_is_marked_at_the_crossing(window):
-    hand = window(EMPTY)
+def test_a_line_that_crosses_itself_is_marked_at_the_crossing(drawing):
+    hand = drawing(EMPTY)
     hand.tool("outline", "region: polygon")
     hand.type("0,0", "10,10", "10,2")
     assert hand.page.evaluate("clastEditor.tools.cross ?? null") is None
@@ -315,8 +290,8 @@ def test_a_line_that_crosses_itself_is_marked_at_the_crossing(window):
     )
 
 
-def test_everything_is_drawn_without_a_mouse(window):
-    hand = window(EMPTY)
+def test_everything_is_drawn_without_a_mouse(drawing):
+    hand = drawing(EMPTY)
     hand.page.focus("#section canvas[tabindex]")
     hand.keys.press("6")
     for text in ("8,9", "@3<180"):
@@ -336,8 +311,8 @@ def test_everything_is_drawn_without_a_mouse(window):
     assert "bolt" not in hand.content
 
 
-def test_what_is_no_point_is_told(window):
-    hand = window(EMPTY)
+def test_what_is_no_point_is_told(drawing):
+    hand = drawing(EMPTY)
     hand.tool("trace")
     hand.type("seven")
     assert "is no point" in hand.say()
@@ -345,3 +320,14 @@ def test_what_is_no_point_is_told(window):
     hand.page.press(".tools .point input", "Enter")
     assert "needs 2 points" in hand.say()
     assert "trace" not in hand.content
+
+
+def test_a_typed_point_comes_into_sight(drawing):
+    hand = drawing(EMPTY)
+    hand.tool("trace")
+    hand.type("5,5", "-90,60")
+    x, y = hand.page.evaluate("clastEditor.section.screen([-90, 60])")
+    width, height = hand.page.evaluate(
+        "[clastEditor.section.view.width, clastEditor.section.view.height]"
+    )
+    assert 0 < x < width and 0 < y < height

@@ -279,9 +279,19 @@ export class Tools {
     const { step: now, points } = this.taken();
     if (now.kind !== "edges" && points.length && click.at && key(points.at(-1)) === key(click.at)) return;
     this.clicks.push(click);
+    if (click.at) this.bring(click.at);
     const { values, step } = this.taken();
     if (!step) return this.finish(values);
     this.tell();
+  }
+
+  /** Show more where a point that was typed is out of sight. */
+  bring(at) {
+    const { section, section: { view } } = this, [x, y] = section.screen(at), [px, py] = section.local(at);
+    if (x >= 0 && y >= 0 && x <= view.width && y <= view.height) return;
+    const [[left, top], [right, low]] = [[0, 0], [view.width, view.height]].map(([sx, sy]) => [view.worldX(sx), view.worldY(sy)]);
+    view.fit(Math.min(left, px), Math.min(low, py), Math.max(right, px), Math.max(top, py));
+    view.moved();
   }
 
   /** End the line that is drawn. */

@@ -225,7 +225,8 @@ function Entry({ ctx, place, node, value, id, isNeeded, shown, read, words = "is
 }
 
 const CONTROLS = {
-  fixed: ({ node, id }) => html`<output id=${id}>${String(node.const)}</output>`,
+  fixed: ({ ctx, place, node, id, value }) => (value === undefined ? html`<button id=${id} onClick=${() => ctx.hand.edit([{ do: "set", place, toml: toml(node.const) }])}>${String(node.const)}</button>`
+    : html`<output id=${id}>${String(value)}</output>`),
   yes: ({ ctx, place, value, id, node }) => html`<input type="checkbox" id=${id ?? null} aria-label=${unlabelled(id, place)} checked=${value ?? node.default ?? false}
     onChange=${(e) => ctx.hand.edit([{ do: "set", place, toml: String(e.target.checked) }])} />`,
   choice: (props) => html`<${Choice} ...${props} names=${props.node.enum} />`,
