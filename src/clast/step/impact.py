@@ -37,7 +37,7 @@ from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw, has_multipliers, normal_stiffness_of
 from clast.contact.memory import order_by
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Model
 from clast.model.state import State
 from clast.read_only import changed
 from clast.step import collisions, inertia_projection
@@ -305,7 +305,7 @@ def scheme_of(
     if not is_any(closes):
         return scheme
     carries = closes | (contacts.normal_force > 0.0)
-    stopped: tuple[Ints, Floats, Floats] = inertia_projection.stopped_motions(
+    stopped = inertia_projection.stopped_blocks(
         context.frames.mass_matrix,
         model.fixed,
         graph,

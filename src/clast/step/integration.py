@@ -38,7 +38,7 @@ import numpy as np
 from clast.contact.clipped_spring import Clipped
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, has_multipliers, normal_stiffness_of
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Model
 from clast.step import inertia_projection
 
 
@@ -50,7 +50,7 @@ class Scheme:
     """Share of the end velocity in the displacement."""
     step: float
     """h, s."""
-    stopped: tuple[Ints, Floats, Floats] | None = None
+    stopped: inertia_projection.Stopped | None = None
     """Motions with theta = 1, as kernels take them (step/inertia_projection.py)."""
 
     @property

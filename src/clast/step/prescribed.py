@@ -23,7 +23,8 @@ import numpy as np
 from clast.actions.action import Contribution
 from clast.contact.clipped_spring import Springs
 from clast.linear.system import DiagonalTerms, PairedLinks, contact_motions
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Model
+from clast.step.inertia_projection import Stopped
 
 STIFFNESS_RATIO = 1e16
 """Diagonal of prescribed unknowns, in units of their own and of the stiffness of the block."""
@@ -102,13 +103,13 @@ class DrivenBlocks:
         """Return by how much links open and slip by the prescribed motions, m, (m,) each."""
         return contact_motions(links, self.displacement)
 
-    def unstopped(self, stopped: tuple[Ints, Floats, Floats]) -> tuple[Ints, Floats, Floats]:
+    def unstopped(self, stopped: Stopped) -> Stopped:
         """Return motions that contacts stop without those prescribed."""
-        count, motions, momenta = stopped
+        free, motions, momenta, mass = stopped
+        mass = np.where(self.free[:, :, None] | self.free[:, None, :], 0.0, mass)
         for block in np.flatnonzero(self.free.any(axis=1)):
-            motions[block][:, self.free[block]] = 0.0
             momenta[block][:, self.free[block]] = 0.0
-        return count, motions, momenta
+        return free, motions, momenta, mass
 
     def heavy(self, mobility: Floats, mass_matrix: Floats) -> tuple[Floats, Floats]:
         """Return mobilities (n, 3, 3) and masses (n, 6, 6) with which impacts move no such body.
