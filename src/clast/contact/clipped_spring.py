@@ -287,8 +287,7 @@ def _respond(stretch, springs, force, stiffness):
 
 
 @shared(CONTACTS)
-def respond_all(first, last, gap, slip, springs, forces, stiffnesses):
-    """Write N, T and their stiffnesses of links ``first`` to ``last`` - 1 (``forces_at``)."""
+def _respond_all(first, last, gap, slip, springs, forces, stiffnesses):
     gap, slip = in_part((gap, slip), first, last)
     normal, shear = in_part(forces, first, last)
     kn, ks = in_part(stiffnesses, first, last)
@@ -302,7 +301,7 @@ def forces_at(gap, slip, springs):
     count = len(gap)
     forces = np.empty(count), np.empty(count)
     stiffnesses = np.empty(count), np.empty(count)
-    respond_all(count, gap, slip, springs, forces, stiffnesses)
+    _respond_all(count, gap, slip, springs, forces, stiffnesses)
     return forces[0], forces[1], stiffnesses[0], stiffnesses[1]
 
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.vec6 import UNKNOWNS, put_row
-from clast.contact.clipped_spring import clipped
 from clast.contact.jacobian import force_on
-from clast.minimise.line_search import EVALUATIONS_MAX, SLOPE_NOISE, SLOPE_TOLERANCE
+from clast.minimise.line_search import length_of_links, move_links
 
 FEW_BLOCKS = 4
 """Blocks up to which a dense factor takes less time than one that leaves out zeros."""
@@ -158,41 +157,6 @@ def _motions(places, rows, direction):
 
 
 @kernel()
-def _answer(c, way, stretch, springs):
-    """Return force and stiffness of the normal (``way`` 0) or shear (1) spring of link c."""
-    at = 4 * way
-    return clipped(
-        springs[at][c], springs[at + 1][c], springs[at + 2][c], springs[at + 3][c], stretch
-    )
-
-
-@kernel()
-def _length(links, motions, springs, stretches, slope_without, bend, enough):
-    """Return where the potential is least along a direction, and evaluations (line_search.py).
-
-    ``slope_without`` and ``bend`` are those without springs, ``enough`` is a slope that is none.
-    """
-    length, low, high = 1.0, 0.0, np.inf
-    evaluations = 0
-    while evaluations < EVALUATIONS_MAX:
-        evaluations += 1
-        slope, curvature = slope_without + length * bend, bend
-        for k in range(len(links)):
-            for way in range(2):
-                by = motions[k, way]
-                stretch = stretches[way][links[k]] + length * by
-                force, stiffness = _answer(links[k], way, stretch, springs)
-                slope -= force * by
-                curvature += stiffness * by * by
-        if abs(slope) <= enough:
-            break
-        low, high = (length, high) if slope < 0.0 else (low, length)
-        trial = length - slope / curvature
-        length = trial if low < trial < high else 0.5 * (low + min(high, 2.0 * low + 1.0))
-    return length, evaluations
-
-
-@kernel()
 def _search(blocks, links, motions, direction, decrement, base, springs, point):
     """Move displacements, links and forces to the least potential along a direction.
 
@@ -201,22 +165,17 @@ def _search(blocks, links, motions, direction, decrement, base, springs, point):
     displacement, stretches, forces, stiffnesses = point[0], point[1:3], point[3:5], point[5:7]
     slope, bend = -decrement, 0.0
     for k in range(len(links)):
-        for way in range(2):
-            slope += forces[way][links[k]] * motions[k, way]
+        slope += forces[0][links[k]] * motions[k, 0]
+        slope += forces[1][links[k]] * motions[k, 1]
     for k in range(len(blocks)):
         first = UNKNOWNS * k
         for a in range(UNKNOWNS):
             for b in range(UNKNOWNS):
                 bend += direction[first + a] * base[blocks[k], a, b] * direction[first + b]
-    enough = (SLOPE_TOLERANCE + SLOPE_NOISE) * decrement
-    length, tries = _length(links, motions, springs, stretches, slope, bend, enough)
+    length, tries = length_of_links(links, motions, springs, stretches, slope, bend, decrement)
     for a in range(len(direction)):
         displacement[blocks[a // UNKNOWNS], a % UNKNOWNS] += length * direction[a]
-    for k in range(len(links)):
-        c = links[k]
-        for way in range(2):
-            stretches[way][c] += length * motions[k, way]
-            forces[way][c], stiffnesses[way][c] = _answer(c, way, stretches[way][c], springs)
+    move_links(links, motions, length, springs, stretches, forces, stiffnesses)
     return tries
 
 

@@ -22,12 +22,13 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import EACH, borrowed, shared
 from clast.compute.reductions import MANY, SHARED, sum_of
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
-from clast.contact.clipped_spring import Springs, respond_all
+from clast.contact.clipped_spring import Springs
+from clast.contact.jacobian import relative_motion
 from clast.linear import ldlt
-from clast.linear.assembly import assemble, balance_rows, contact_motions, form
+from clast.linear.assembly import assemble, balance_rows, form
 from clast.linear.block_matrix import dot, row_pointers
 from clast.linear.pattern import with_fill
-from clast.minimise.line_search import advance, island_sums, lengths_along
+from clast.minimise.line_search import length_of_links, move_links
 from clast.model.model import Bools, Floats, Ints
 
 
@@ -381,18 +382,21 @@ def _factor(problem, pattern, kn, ks):
 def _search(problem, point, direction, decrement):
     """Move a point to where an exact line search leads; return evaluations."""
     system, (_, graph, (vertex_block, edge_block, arms), springs) = problem
-    d, gap, slip = point.displacement, point.gap, point.slip
+    d, stretches = point.displacement, (point.gap, point.slip)
     forces, stiffnesses = (point.normal, point.shear), (point.kn, point.ks)
-    opening, sliding = contact_motions(vertex_block, edge_block, arms, direction)
-    only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
-    smooth = start + island_sums(forces[0] * opening + forces[1] * sliding, only, 1)
-    bend = np.full(1, form(system[0], direction))
-    line = gap, opening, slip, sliding
-    length, evaluations = lengths_along(only, line, springs, smooth, bend, start)
+    links = np.arange(len(point.gap))
+    motions, slope = np.empty((len(links), 2)), -decrement
+    for c in links:
+        opening, sliding = relative_motion(arms, c, direction, vertex_block[c], edge_block[c])
+        motions[c, 0], motions[c, 1] = opening, sliding
+        slope += point.normal[c] * opening + point.shear[c] * sliding
+    bend = form(system[0], direction)
+    length, evaluations = length_of_links(
+        links, motions, springs, stretches, slope, bend, decrement
+    )
     for i in range(len(d)):
-        put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
-    advance(len(gap), only, length, line, gap, slip)
-    respond_all(len(gap), gap, slip, springs, forces, stiffnesses)
+        put_row(d, i, plus_scaled(row(d, i), length, row(direction, i)))
+    move_links(links, motions, length, springs, stretches, forces, stiffnesses)
     balance = point.residual, point.distance
     balance_rows(len(d), system, graph, (vertex_block, arms), d, forces, balance)
     return evaluations

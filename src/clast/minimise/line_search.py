@@ -191,7 +191,7 @@ def lengths_along(island, line, springs, smooth, curvature, start):
 
 
 @shared(CONTACTS)
-def advance(first, last, island, length, line, gap, slip):
+def _advance(first, last, island, length, line, gap, slip):
     """Write gap and slip at the lengths of the links' islands."""
     at = _lengths(length, island[first:last])
     old_gap, d_gap = in_part((line[0], line[1]), first, last)
@@ -206,7 +206,7 @@ def advance(first, last, island, length, line, gap, slip):
 def links_along(island, length, line, springs):
     """Return gap, slip, N, T and their stiffnesses (m,) at the lengths (r,) of the islands."""
     gap, slip = np.empty(len(island)), np.empty(len(island))
-    advance(len(island), island, length, line, gap, slip)
+    _advance(len(island), island, length, line, gap, slip)
     return gap, slip, *forces_at(gap, slip, springs)
 
 
@@ -222,6 +222,50 @@ def blocks_along(unknowns, direction, length, island):
     result = np.empty_like(unknowns)
     _advance_blocks(len(result), unknowns, direction, length, island, result)
     return result
+
+
+@kernel()
+def length_of_links(links, motions, springs, stretches, slope_without, bend, decrement):
+    """Return where the potential of a single island is least along a line, and evaluations.
+
+    ``links`` (k,) are its links and ``motions`` (k, 2) the changes of their gaps and slips; all
+    links have ``springs`` (Springs.arrays) and ``stretches``, gaps and slips, m, (m,) each.
+    ``slope_without`` and ``bend`` are those without springs, the whole slope is minus the
+    ``decrement``, J/m.
+    """
+    (gap, slip), (n0, kn, n_low, n_high, t0, kt, t_low, t_high) = stretches, springs
+    length, low, high = 1.0, 0.0, np.inf
+    evaluations, enough = 0, (SLOPE_TOLERANCE + SLOPE_NOISE) * decrement
+    while evaluations < EVALUATIONS_MAX:
+        evaluations += 1
+        slope, curvature = slope_without + length * bend, bend
+        for k in range(len(links)):
+            c, opening, sliding = links[k], motions[k, 0], motions[k, 1]
+            n, stiff = clipped(n0[c], kn[c], n_low[c], n_high[c], gap[c] + length * opening)
+            slope -= n * opening
+            curvature += stiff * opening * opening
+            t, stiff = clipped(t0[c], kt[c], t_low[c], t_high[c], slip[c] + length * sliding)
+            slope -= t * sliding
+            curvature += stiff * sliding * sliding
+        if abs(slope) <= enough:
+            break
+        low, high = (length, high) if slope < 0.0 else (low, length)
+        trial = length - slope / curvature
+        length = trial if low < trial < high else 0.5 * (low + min(high, 2.0 * low + 1.0))
+    return length, evaluations
+
+
+@kernel()
+def move_links(links, motions, length, springs, stretches, forces, stiffnesses):
+    """Write gaps and slips, forces and stiffnesses of links (k,) at a length, all (m,) in pairs."""
+    (gap, slip), (n0, kn, n_low, n_high, t0, kt, t_low, t_high) = stretches, springs
+    (normal, shear), (stiff_n, stiff_t) = forces, stiffnesses
+    for k in range(len(links)):
+        c = links[k]
+        gap[c] += length * motions[k, 0]
+        slip[c] += length * motions[k, 1]
+        normal[c], stiff_n[c] = clipped(n0[c], kn[c], n_low[c], n_high[c], gap[c])
+        shear[c], stiff_t[c] = clipped(t0[c], kt[c], t_low[c], t_high[c], slip[c])
 
 
 def common_length(along: Callable[[float], tuple[float, float]], start: float) -> tuple[float, int]:
