@@ -70,7 +70,7 @@ def test_lines_of_a_map_and_of_a_table_are_read(case):
     feature = {"type": "Feature", "properties": {"joint": "fault"}, "geometry": shapes}
     (case.parent / "map.geojson").write_text(json.dumps(feature))
     (line,) = drawn(case, "map.geojson")["lines"]
-    assert line == {"layer": "traces of fault", "name": "fault", "points": [[0, 1], [4, 2]]}
+    assert line == {"layer": "JOINTS_fault", "name": "fault", "points": [[0, 1], [4, 2]]}
     (case.parent / "rim.csv").write_text("x,y\n0,0\n4,0\n4,3\n")
     found = drawn(case, "rim.csv")
     assert found["outlines"][0]["points"] == [[0, 0], [4, 0], [4, 3]]
@@ -146,7 +146,7 @@ def test_a_new_case_begins_from_nothing_a_template_or_a_drawing(case):
     with pytest.raises(CaseError) as refused:
         Case.from_text(started(case, ""), "site.toml")
     assert {fault.what for fault in refused.value.faults} == {"must be a number, not 'to be given'"}
-    assert len(refused.value.faults) == 6
+    assert len(refused.value.faults) == 4
     for one in templates():
         assert Case.from_text(started(case, one["name"]), "new.toml").title == one["title"]
     text = started(case, "site.dxf")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clast.case.drawn_case import case_text, comment
+from clast.case.drawn_case import TO_BE_GIVEN, case_text, comment
 from clast.case.templates import TEMPLATES
 from clast.editor.underlay import beside
 from clast.inputs.declaring import text as toml
 from clast.rockmass.drawings.drawing import Drawing
 from clast.rockmass.readers import read_drawing
+
+UNTIMED = f'step = "{TO_BE_GIVEN}"\nend = "{TO_BE_GIVEN}"'
 
 
 def templates() -> list[dict[str, str]]:
@@ -28,6 +30,7 @@ def started(case: Path, start: str) -> str:
         return TEMPLATES[start]
     if start:
         return case_text(read_drawing(beside(case, start)))
-    told = 'Draw or write [domain] boundary, and give a number for each "to be given".'
+    told = f'Draw or write [domain] boundary, and give a number for each "{TO_BE_GIVEN}".'
     tables = case_text(Drawing(file=case.name))
-    return "\n".join([*comment(told), "", tables[tables.index("schema = ") :]])
+    tables = tables[tables.index("schema = ") :].replace(UNTIMED, "step = 1e-3\nend = 1.0")
+    return "\n".join([*comment(told), "", tables])

@@ -17,18 +17,17 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from clast.errors import CaseError, shortened
 from clast.model.arrays import Floats
-from clast.rockmass.drawings.drawing import Drawing
 from clast.rockmass.drawings.drawing_files import checked_file, replaced
 from clast.rockmass.drawings.drawn_loops import CLOSURE, DrawnLine, loops_of, ring
 from clast.rockmass.drawings.dxf import role_of
-from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.dxf_entities import DxfContent, dxf_content
 from clast.rockmass.drawings.features import READERS as FEATURES
 from clast.rockmass.readers import read_drawing
 
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 """First bytes of a picture -> its kind."""
 PICTURE_ENDINGS = (".png", ".jpg", ".jpeg")
-DRAWING_ENDINGS = (".dxf", ".csv", ".xml", *FEATURES)
+DRAWING_ENDINGS = (".dxf", ".csv", *FEATURES)
 PICTURE_BYTES_MAX, POINTS_MAX = 50_000_000, 200_000
 """Larger pictures, and drawings of more points, are refused."""
 LISTED_MAX, DEEP_MAX = 200, 3
@@ -106,12 +105,11 @@ def files_beside(case: Path) -> list[str]:
         for here, folders, names in os.walk(folder):
             at = Path(here).relative_to(folder)
             is_deep = len(at.parts) >= DEEP_MAX - 1
-            folders[:] = [] if is_deep else sorted(one for one in folders if one[0] not in "._")
-            for name in sorted(names):
-                if name.lower().endswith((*DRAWING_ENDINGS, *PICTURE_ENDINGS)):
-                    yield (at / name).as_posix()
+            folders[:] = [one for one in folders if one[0] not in "._" and not is_deep]
+            yield from ((at / one).as_posix() for one in names if not one.endswith(".edit.json"))
 
-    return sorted(name for name in islice(found(), LISTED_MAX) if not name.endswith(".edit.json"))
+    endings = (*DRAWING_ENDINGS, *PICTURE_ENDINGS)
+    return sorted(islice((one for one in found() if one.lower().endswith(endings)), LISTED_MAX))
 
 
 def picture(case: Path, name: str) -> tuple[str, bytes]:
@@ -136,33 +134,31 @@ def drawn(case: Path, name: str) -> dict[str, Any]:
     path = beside(case, name)
     if path.suffix.casefold() == ".dxf":
         content = dxf_content(path, lambda _: True)
-        lines = [_line(content.flat(_closed(one)), one.layer) for one in content.pieces]
+        # a closed line ends where it begins
+        lines = [
+            _line(np.vstack([(at := content.flat(one)), at[: one.closed]]), one.layer)
+            for one in content.pieces
+        ]
         outlines, notes = _outlines(content, name), [content.unit_source, *content.notes]
     else:
         drawing = read_drawing(path)
-        lines, outlines, notes = _lines(drawing), _rims(drawing), list(drawing.notes)
+        rim, notes = drawing.boundary, list(drawing.notes)
+        lines = [_line(one.points, f"JOINTS_{one.joint}") for one in drawing.traces]
+        outlines = [] if rim is None else [_line(rim, "BOUNDARY")]
+        lines += [] if rim is None else [_line(np.vstack([rim, rim[:1]]), "BOUNDARY")]
     if sum(len(one["points"]) for one in chain(lines, outlines)) > POINTS_MAX:
         what = f"has more than {POINTS_MAX} points"
         raise CaseError(what, where=name, remedy="save the lines that are needed alone")
-    return {"lines": [*lines], "outlines": [*outlines], "notes": [*dict.fromkeys(notes)]}
+    return {"lines": lines, "outlines": outlines, "notes": [*dict.fromkeys(notes)]}
 
 
 def _file_of(case: Path) -> Path:
     return case.with_suffix(".edit.json")
 
 
-def _line(points: Floats, layer: str, name: str | None = None) -> dict[str, Any]:
+def _line(points: Floats, layer: str) -> dict[str, Any]:
     # what a change of units leaves in the last digits is nobody's measurement
-    name = role_of(layer)[1] if name is None else name
-    return {"layer": layer, "name": name, "points": np.round(points, 9).tolist()}
-
-
-def _closed(piece: Piece) -> Piece:
-    """Return a piece with its first point repeated where it is closed."""
-    if not piece.closed:
-        return piece
-    points = np.vstack([piece.points, piece.points[:1]])
-    return Piece(**{**vars(piece), "points": points, "closed": False})
+    return {"layer": layer, "name": role_of(layer)[1], "points": np.round(points, 9).tolist()}
 
 
 def _outlines(content: DxfContent, name: str) -> list[dict[str, Any]]:
@@ -184,15 +180,3 @@ def _outlines(content: DxfContent, name: str) -> list[dict[str, Any]]:
             found += [_line(points, layer) for points in loops]
             break
     return found
-
-
-def _rims(drawing: Drawing) -> list[dict[str, Any]]:
-    rim = [] if drawing.boundary is None else [_line(drawing.boundary, "boundary", "")]
-    openings = [_line(one.points, "openings", one.name) for one in drawing.openings]
-    return [*rim, *openings, *(_line(one.points, "regions", one.name) for one in drawing.regions)]
-
-
-def _lines(drawing: Drawing) -> list[dict[str, Any]]:
-    rims = [{**one, "points": [*one["points"], one["points"][0]]} for one in _rims(drawing)]
-    traces = [_line(one.points, f"traces of {one.joint}", one.joint) for one in drawing.traces]
-    return [*rims, *traces, *(_line(one.ends, "bolts", one.name) for one in drawing.bolts)]

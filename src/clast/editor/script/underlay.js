@@ -67,26 +67,38 @@ function distance(path, x, y) {
 /** The underlays of a section; `ask` asks the server, `picture` too, for a blob; `state`, `hand` and `goTo` are the window's. */
 export class Underlays {
   constructor(section, tools) {
-    Object.assign(this, { section, ...tools, list: [], drawings: {}, files: [], said: "", role: -1, picking: null, images: new Map(), begun: new Map(), fields: new Map() });
+    Object.assign(this, { section, ...tools, list: [], drawings: {}, files: [], said: "", role: -1, turn: 0, last: Promise.resolve(), picking: null, images: new Map(), begun: new Map(), fields: new Map() });
     this.roles = rolesOf(this.state.schema);
     const place = document.createElement("details");
     place.innerHTML = "<summary>Underlay</summary>";
     section.root.querySelector(".legend").append(place);
     this.panel = document.createElement("div");
     Object.assign(this.panel, { className: "under", hidden: true });
-    section.root.querySelector(".stage").append(this.panel);
+    const row = document.createElement("div"), canvases = section.root.querySelector(".canvases");
+    row.className = "beside";
+    canvases.replaceWith(row);
+    row.append(canvases, this.panel);
     place.addEventListener("toggle", () => { this.panel.hidden = !place.open; });
     section.under = this;
-    this.load("/underlays");
+    this.load();
   }
 
-  /** Ask for the underlays, or keep them as they are here, and show them. */
-  async load(path, body) {
-    try {
-      const answer = await this.ask(path, body);
-      Object.assign(this, { list: answer.underlays, drawings: answer.drawings, files: answer.files, said: answer.trouble });
-      for (const { file } of this.list) if (this.isPicture(file) && !this.images.has(file)) await this.open(file);
-    } catch (error) { this.said = error.message; }
+  /** Ask for the underlays, or keep them as they are here, one request after the other; the newest answer is shown. */
+  load(body) {
+    const turn = ++this.turn;
+    this.last = this.last.then(() => this.answered(body, turn));
+    return this.last;
+  }
+
+  async answered(body, turn) {
+    let said = "", answer = null;
+    try { answer = await this.ask("/underlays", body); } catch (error) {
+      said = error.message;
+      answer = await this.ask("/underlays").catch(() => null); // what is kept goes on
+    }
+    if (!answer || turn !== this.turn) return;
+    Object.assign(this, { list: answer.underlays, drawings: answer.drawings, files: answer.files, said: said || answer.trouble });
+    for (const { file } of this.list) if (this.isPicture(file) && !this.images.has(file)) await this.open(file);
     const { section } = this, first = this.points()[0];
     if (first && !section.origin) {
       section.origin = first;
@@ -98,7 +110,7 @@ export class Underlays {
   keep(list = this.list) {
     this.list = list;
     this.show();
-    return this.load("/underlays", { underlays: list });
+    return this.load({ underlays: list });
   }
 
   /** Change one underlay, and keep it where nothing more of the same comes. */
@@ -173,7 +185,7 @@ export class Underlays {
 
   /** Use a click on the section; false where it is for others. */
   take(x, y) {
-    if (this.picking) return this.picked(x, y);
+    if (this.picking && this.images.get(this.picking.file)) return this.picked(x, y);
     const role = this.roles[this.role];
     if (!role) return false;
     const near = (what) => this.list.filter((one) => !one.locked).flatMap((one) => this.lines(one, what))
@@ -231,7 +243,7 @@ export class Underlays {
     const add = (e) => {
       e.preventDefault();
       const { value } = e.target.file;
-      if (value && !this.list.some(({ file }) => file === value)) this.load("/underlays", { underlays: [...this.list, { file: value, opacity: this.isPicture(value) ? 0.5 : 1 }] });
+      if (value && !this.list.some(({ file }) => file === value)) this.keep([...this.list, { file: value, opacity: this.isPicture(value) ? 0.5 : 1, shown: true, locked: false, hidden: [] }]);
       e.target.reset();
     };
     render(html`<form onSubmit=${add}><label>File in the folder of the case <input name="file" list="under-files" autocomplete="off" /></label> <button>add</button>
@@ -256,8 +268,9 @@ export class Underlays {
       ${drawing.notes?.map((note) => html`<p class="help" key=${note}>${note}</p>`)}
       ${this.isPicture(one.file) && !one.locked && [0, 1].map((i) => html`<p class="row" key=${i}>point ${i + 1}
         <button aria-pressed=${picking?.file === one.file && picking.i === i} onClick=${() => { this.picking = { file: one.file, i }; this.tell(`Click point ${i + 1} of ${one.file} in the drawing, then type its place.`); }}>click it</button>
-        ${["pixels", "points"].map((which) => ["x", "y"].map((name, k) => html`<label key=${which + name}>${which === "pixels" ? `pixel ${name}` : `${name}, m`} <input type="text" inputmode="decimal"
-          data-field=${`${one.file} ${which} ${i} ${k}`} value=${this.typed(one)[which][i][k]} onChange=${(e) => this.field(one, which, i, k, e.target.value)} /></label>`))}</p>`)}`;
+        <br />${["pixels", "points"].map((which) => html`${which === "pixels" ? "pixel" : " at"} ${["x", "y"].map((name, k) => html`<input type="text" inputmode="decimal" key=${which + name}
+          aria-label=${which === "pixels" ? `Pixel ${name} of point ${i + 1}` : `${name} of point ${i + 1}, m`} data-field=${`${one.file} ${which} ${i} ${k}`}
+          value=${this.typed(one)[which][i][k]} onChange=${(e) => this.field(one, which, i, k, e.target.value)} />`)}`)} m</p>`)}`;
   }
 
   /** Take all lines of a layer over. */
