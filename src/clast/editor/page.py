@@ -12,7 +12,9 @@ OF_PAGES = (
     "joints chosen supports axes layers legend"
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
-SCRIPTS = ("values hand form handles snaps choices draw underlay start run edit").split()
+SCRIPTS = (
+    "values hand form handles snaps choices draw underlay start text search run edit"
+).split()
 """Modules of the page, each after those that it imports."""
 
 

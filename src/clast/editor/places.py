@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import re
 import tomllib
+from bisect import bisect_left
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from clast.errors import Place
@@ -76,6 +78,14 @@ class Places:
             if at is not None:
                 return self.text.count("\n", 0, at) + 1
         return None
+
+    def spans(self) -> Iterator[tuple[Place, int, int]]:
+        """Give tables with a head and lines ``key = value``, with first and last line, from 1."""
+        ends = [found.start() for found in re.finditer("\n", self.text)]
+        heads = [(one.place, one.start, one.after) for one in self.sections if one.place]
+        lines = [(at, one.first, one.last) for at, one in self.values.items() if one.is_line]
+        for place, first, past in (*heads, *lines):
+            yield place, bisect_left(ends, first) + 1, bisect_left(ends, past - 1) + 1
 
     def _start(self, place: Place) -> int | None:
         if place in self.values:

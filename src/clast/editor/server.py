@@ -326,10 +326,10 @@ class EditHandler(Handler):
 
 def _shown(document: Document, worker: Worker) -> dict[str, Any]:
     """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
-    content, literals, file = None, {}, str(document.path)
+    content, literals, spans, file = None, {}, [], str(document.path)
     with suppress(CaseError):
         values, places = document.read
-        content = _plain(values)
+        content, spans = _plain(values), list(places.spans())
         literals = {
             json.dumps(place, ensure_ascii=False, separators=(",", ":")): raw
             for place, one in places.values.items()
@@ -348,6 +348,7 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
         "refused_as_case": trouble is not None,
         "content": content,
         "literals": literals,
+        "spans": spans,
         "version": document.version,
         "text": document.text,
         "undo": document.steps,

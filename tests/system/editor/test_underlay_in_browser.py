@@ -44,6 +44,8 @@ def add(page, file):
 
 
 def click(page, point):
+    until(page, "!clastEditor.hand.isBusy && !clastEditor.state.is_cutting")
+    page.wait_for_timeout(300)  # faults below the section come and go
     box = page.locator("#section canvas[tabindex]").bounding_box()
     x, y = page.evaluate("(point) => clastEditor.section.screen(point)", point)
     page.mouse.click(box["x"] + x, box["y"] + y)

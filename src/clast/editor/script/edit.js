@@ -4,7 +4,9 @@ import { showForms, tableAt } from "./form.js";
 import { RunPanel } from "./run.js";
 import { Section, marksOf } from "./section.js";
 import { Tools } from "./draw.js";
+import { offerSearch } from "./search.js";
 import { offerStarts } from "./start.js";
+import { TextPane } from "./text.js";
 import { Underlays } from "./underlay.js";
 
 const $ = (id) => document.getElementById(id);
@@ -12,7 +14,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let hand = null, typing = 0, section = null, sections = 0, patience = 0, tools = null, runs = null;
+let hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -41,7 +43,7 @@ function draw() {
   const count = state.faults.length, told = `${count} ${count === 1 ? "fault" : "faults"}`;
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${told}` : "not saved yet";
-  const size = state.blocks === null ? "" : `${state.blocks} blocks, some ${state.steps} steps`;
+  const size = state.blocks === null ? "" : `${state.blocks} blocks${state.steps === null ? "" : `, some ${state.steps} steps`}`;
   $("saved").textContent = [saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - ");
   $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
   $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
@@ -55,16 +57,7 @@ function draw() {
   tools?.changed();
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
-  const isTyping = document.activeElement === $("text") && (hand.isBusy || hand.waiting.length);
-  runs.draw();
-  const text = state.text.replaceAll("\r\n", "\n"); // as a field has it
-  if (!isTyping && $("text").value !== text) $("text").value = text;
-  const bad = new Set(state.faults.map((fault) => fault.line));
-  $("lines").replaceChildren(...state.text.split("\n").flatMap((_, i) => {
-    const line = document.createElement(bad.has(i + 1) ? "b" : "span");
-    line.textContent = i + 1;
-    return [line, "\n"];
-  }));
+  pane?.show();
 }
 
 /** Draw the newest section. */
@@ -93,17 +86,18 @@ function showPatience() {
 function remark(one, kind) {
   const button = document.createElement("button");
   button.className = kind;
-  button.textContent = [one.where, [one.what, one.remedy].filter(Boolean).join(". ")].filter(Boolean).join(": ");
-  button.disabled = !one.place.length && !one.at.length;
+  button.textContent = [[one.where, one.line && !/^line /.test(one.where) && `line ${one.line}`].filter(Boolean).join(", "), [one.what, one.remedy].filter(Boolean).join(". ")].filter(Boolean).join(": ");
+  button.disabled = !one.place.length && !one.at.length && !one.line;
   const light = (bring) => section.light(section.marks.find((mark) => mark.what === one.what && mark.where === one.where), bring);
   for (const event of ["mouseenter", "focus"]) button.addEventListener(event, () => light(false));
   button.addEventListener("mouseleave", () => section.light(null));
-  button.addEventListener("click", () => { goTo(one.place); light(true); });
+  button.addEventListener("click", () => { if (one.place.length) goTo(one.place); else if (one.line) pane.goTo(one.line); light(true); });
   return button;
 }
 
 /** Show the form of a value and put the cursor into its field. */
 function goTo(place) {
+  state.wanted = place;
   choose(tableAt(state, place));
   for (let length = place.length; length; length--) {
     const row = document.querySelector(`[data-place=${CSS.escape(JSON.stringify(place.slice(0, length)))}]`);
@@ -146,6 +140,8 @@ export async function main() {
   section = new Section($("section"), (mark) => goTo(mark.place));
   runs = new RunPanel({ state, hand, ask, token, differing });
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
+  pane = new TextPane($("text"), $("lines"), { state, hand, choose });
+  pane.show();
   tools = new Tools(section, { state, hand, choose });
   $("file").textContent = state.file.split(/[\\/]/).at(-1);
   $("undo").addEventListener("click", () => hand.undo());
@@ -155,9 +151,6 @@ export async function main() {
   $("stop-cut").addEventListener("click", () => hand.send("/stop-cut", {}));
   $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
   $("theirs").addEventListener("click", () => hand.send("/keep-theirs", {}));
-  $("text").addEventListener("focus", () => { typing += 1; });
-  $("text").addEventListener("input", (e) => hand.text(e.target.value, `text ${typing}`));
-  $("text").addEventListener("scroll", (e) => { $("lines").scrollTop = e.target.scrollTop; });
   addEventListener("keydown", (e) => {
     if (!(e.ctrlKey || e.metaKey) || e.key.toLowerCase() !== "z") return;
     e.preventDefault(); // the browser would undo letters that are not the file's any more
@@ -165,8 +158,9 @@ export async function main() {
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
   const under = new Underlays(section, { ask, picture, state, hand, goTo });
+  offerSearch($("search"), $("found"), { state, hand, choose, goTo });
   offerStarts($("start"), { state, hand, ask });
-  globalThis.clastEditor = { state, hand, goTo, section, tools, under, runs };
+  globalThis.clastEditor = { state, hand, goTo, section, tools, under, pane, runs };
   document.body.dataset.ready = "yes";
   listen();
 }

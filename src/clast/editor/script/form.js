@@ -69,7 +69,7 @@ function Branch({ ctx, place, chosen, text, count = null, children }) {
 }
 
 /** Add a table, or an entry to a list of them, and choose it. */
-function addTable(ctx, name, one, kind) {
+export function addTable(ctx, name, one, kind) {
   const forms = variants(ctx.schema, one), named = (node) => nameFor(ctx, node), held = ctx.content[name];
   const tables = (inner) => variants(ctx.schema, inner).find((form) => kindOf(form) === "table");
   if (kind === "one") return ctx.hand.edit([{ do: "set", place: [name], toml: toml(blank(ctx.schema, forms.find((form) => kindOf(form) === "table"), named)) }]).then(() => ctx.choose([name]));
@@ -152,7 +152,7 @@ function Rows({ ctx, place, node, value = {}, known = node.properties }) {
   const needed = node.required ?? [], strange = Object.keys(value).filter((name) => !(name in known));
   const applies = (when) => when && Object.entries(when).every(([name, values]) => values.includes(value[name] ?? node.properties[name]?.default));
   const levelOf = ([name, { "x-clast": notes = {} }]) => {
-    const isNear = name in value || needed.includes(name) || ctx.faults.some((fault) => startsWith(fault.place, [...place, name]));
+    const isNear = name in value || needed.includes(name) || ctx.faults.some((fault) => startsWith(fault.place, [...place, name])) || startsWith(ctx.wanted ?? [], [...place, name]);
     return isNear || applies(notes.when) ? 0 : LEVELS.indexOf(notes.level ?? "more");
   };
   const rows = Object.entries(node.properties).filter((row) => levelOf(row) <= ctx.level || met.current.has(row[0]));
