@@ -123,3 +123,23 @@ def test_a_byte_order_mark_stays(text, edit):
     after = edited(text, edit)
     assert at(tomllib.loads(after), edit.place) == 2
     assert edited(f"\ufeff{text}", edit) == f"\ufeff{after}"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_an_entry_is_put_behind_the_next_with_its_comments(end):
+    one, other = (
+        '# of A\n[[s]]\nname = "A"\nj.x = {y = 1}  # x\n',
+        '[[s]]\nname = "B"\n[s.k]\nz = 2\n',
+    )
+    text, swapped = (
+        f"a = 1\n\n{first}\n# alone\n\n{second}\n[c]\n".replace("\n", end)
+        for first, second in ((one, other), (other, one))
+    )
+    assert edited(text, Edit("swap", ("s", 0))) == swapped
+    assert edited(swapped, Edit("swap", ("s", 0))) == text
+    assert edited("[[s]]\nx = 1\n[[s]]\nx = 2", Edit("swap", ("s", 0))) == (
+        "[[s]]\nx = 2\n[[s]]\nx = 1\n"
+    )
+    assert edited("v = [1, {x = 2}, 3]", Edit("swap", ("v", 1))) == "v = [1, 3, {x = 2}]"
+    with pytest.raises(CaseError, match=r"s\.3: there is no such entry"):
+        edited(text, Edit("swap", ("s", 1)))

@@ -92,7 +92,7 @@ def recorded(model: Model, path: Path) -> Results:
     recorder.start(leaning(model, 0.0))
     for number in range(1, 6):
         state = leaning(model, 0.2 * number)
-        recorder._record(state)
+        recorder.instant(state)
         recorder.frame(state, *bearing(model, state))
     recorder.finish(
         Report(

@@ -29,7 +29,7 @@ def dug(tmp_path) -> Results:
         state = moved(model, time)
         if time > 0.0:
             state = dataclasses.replace(state, actions=(None, no_forces(GONE)))
-        recorder._record(state)
+        recorder.instant(state)
         recorder.frame(state)
     recorder.finish(report(state))
     return read_results(tmp_path / "dug.vtkhdf")

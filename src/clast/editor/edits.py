@@ -23,10 +23,11 @@ class Edit:
     ``set`` gives a value, which need not be there yet; ``insert`` puts an item before that at the
     place, or after the last; an entry of a list of tables is written ``{name = "A", ...}``;
     ``remove`` takes a value, an item, a table or all its entries away; ``rename`` gives another
-    key, ``toml``, to all that stands below the place.
+    key, ``toml``, to all that stands below the place; ``swap`` puts an entry of a list behind the
+    next one.
     """
 
-    do: Literal["set", "insert", "remove", "rename"]
+    do: Literal["set", "insert", "remove", "rename", "swap"]
     place: Place
     toml: str = ""
 
@@ -235,11 +236,28 @@ def _rename(at: Places, place: Place, name: str) -> str:
     return text
 
 
+def _swap(at: Places, place: Place, _: str) -> str:
+    text, spans = at.text, list[tuple[int, int]]()
+    for one in (place, (*place[:-1], int(place[-1]) + 1)):
+        held, there = at.values.get(one), at.under(one)
+        if held is None and not there:
+            raise CaseError("there is no such entry", where=_words(one))
+        is_table = held is None
+        begin = min(part.lead for part in there) if held is None else held.first
+        spans.append((begin, max(part.after for part in there) if held is None else held.end))
+    (first, middle), (after, last) = spans
+    ahead, behind = text[first:middle], text[after:last]
+    if is_table and not behind.endswith("\n"):
+        behind += _newline(text)
+    return _spliced(text, first, last, behind + text[middle:after] + ahead)
+
+
 _WAYS: Mapping[str, Callable[[Places, Place, str], str]] = {
     "set": _set,
     "insert": _insert,
     "remove": _remove,
     "rename": _rename,
+    "swap": _swap,
 }
 
 

@@ -99,7 +99,7 @@ class Child:
 
     def follow(self, changed: Callable[[], None]) -> None:
         """Follow it to its end, for which ``changed`` is called when there is something new."""
-        process, seen = self.process, (-1, -1)
+        process, seen = self.process, (-1, -1, -1)
         if process is None:
             return
         if process.stdout is not None:
@@ -107,7 +107,7 @@ class Child:
         while process.poll() is None:
             self.seconds = time.monotonic() - self.begun
             self.feed.look()
-            now = self.feed.version, (self.folder / LOG).stat().st_size
+            now = self.feed.version, (self.folder / LOG).stat().st_size, int(self.seconds)
             if now != seen:
                 seen = now
                 changed()

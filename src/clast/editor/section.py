@@ -1,14 +1,19 @@
 """The section of a case that is checked: its blocks as a page draws runs, and the file's own lines.
 
-A case without faults is drawn as the first frame of its run would be, by the page of runs; where
-there are faults, the outlines, lines and points that the file gives stand for it.
+A case without faults is drawn as the first frame of its run would be, by the page of runs, with a
+frame more for each stage: what is there by then, where nothing has moved.  Where there are faults,
+the outlines, lines and points that the file gives stand for it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from clast.actions.bolts import Bolting
+from clast.actions.linings import linings_of
+from clast.actions.relaxation import no_forces
 from clast.case.case_file import Case
 from clast.editor.checking import Checked
 from clast.errors import Place
@@ -16,9 +21,12 @@ from clast.inputs.declaring.annotations import geometry_of
 from clast.inputs.declaring.places import points_of
 from clast.inputs.declaring.validation_messages import field_at
 from clast.model.model import Model
-from clast.model.state import initial_state
+from clast.model.stages import Stage
+from clast.model.state import State, initial_state
+from clast.model.surroundings import blocks_called
 from clast.pictures.page.scene import scene_of
 from clast.results import Report, RunRecorder
+from clast.results.frame_samples import joint_water
 
 
 def section_of(checked: Checked) -> dict[str, Any]:
@@ -27,19 +35,25 @@ def section_of(checked: Checked) -> dict[str, Any]:
     ``scene`` is that of a page, None where there are no blocks; ``lines`` have place, geometry and
     points, m.
     """
-    scene = scene_at_start(checked.model) if checked.model is not None else None
+    case, model = checked.case, checked.model
+    stages = tuple(table.stage() for table in case.stage) if case is not None else ()
     return {
         **checked.as_dict(),
-        "title": checked.case.title if checked.case else "",
-        "scene": scene,
+        "title": case.title if case is not None else "",
+        "scene": scene_of_stages(model, stages) if model is not None else None,
         "lines": list(lines_of(checked.content)),
     }
 
 
-def scene_at_start(model: Model) -> dict[str, Any]:
-    """Return the content of the page of a run that has not taken a step."""
+def scene_of_stages(model: Model, stages: Sequence[Stage]) -> dict[str, Any]:
+    """Return the content of the page of a run that has not moved: its start, and each stage."""
     recorder, start = RunRecorder(model), initial_state(model)
-    recorder.start(start)
+    begins = {name: stage.name for stage in stages for name in stage.loads}
+    recorder.start(start, {"stages": [stage.name for stage in stages], "begins": begins})
+    for number, state in enumerate(states_of_stages(model, start, stages)):
+        recorder.enter(number, None)
+        recorder.instant(state)
+        recorder.frame(state)
     report = Report(
         finished=False,
         outcome="not run",
@@ -52,6 +66,23 @@ def scene_at_start(model: Model) -> dict[str, Any]:
         wall_seconds=0.0,
     )
     return scene_of(recorder.finish(report), budget=0.0)
+
+
+def states_of_stages(model: Model, start: State, stages: Sequence[Stage]) -> Iterator[State]:
+    """Give a state for each stage in which nothing has moved, with bolts and blocks as they are."""
+    bolts = model.bolts.without([name for stage in stages for name in stage.install])
+    absent, (linings, _) = model.absent, linings_of(model)
+    water = () if model.flow is None else (joint_water(model, start),)
+    behind = *water, *(one.begin(model) for one in model.actions)
+    for number, stage in enumerate(stages):
+        bolts = bolts.at_stage(stage.name, stage.install)
+        absent = absent.copy()
+        absent[blocks_called(stage.excavate, model.openings, model.block_name)] = True
+        for one in linings.each if linings is not None else ():
+            if one.stage == stage.name:
+                absent[one.segments] = False
+        own = Bolting().begin(replace(model, bolts=bolts)), no_forces(absent), *behind
+        yield replace(start, time=number + 1.0, actions=own)
 
 
 def lines_of(content: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

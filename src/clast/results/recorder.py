@@ -124,7 +124,7 @@ class RunRecorder:
         if self._file is not None:
             self._file.about = about
         if self._file is None or recorded is None:
-            self._record(state)
+            self.instant(state)
             self.frame(state)
             return
         self._state = state
@@ -159,7 +159,7 @@ class RunRecorder:
         ``unbalanced`` is the largest unbalanced force of a block, as a share of all forces on it.
         """
         state = result.state
-        self._record(state)
+        self.instant(state)
         self._result = result
         for name, row in self._step_rows.items():
             self._tables[name].append(row(result, step, unbalanced))
@@ -283,7 +283,8 @@ class RunRecorder:
             **parts_of(self._model),
         )
 
-    def _record(self, state: State) -> None:
+    def instant(self, state: State) -> None:
+        """Record the rows of a state in tables that have one for each instant."""
         self._state = state
         for name, row in self._instant_rows.items():
             self._tables[name].append(row(state))

@@ -2,6 +2,7 @@
 import { Hand } from "./hand.js";
 import { showForms, tableAt } from "./form.js";
 import { RunPanel } from "./run.js";
+import { Strip } from "./stages.js";
 import { Section, marksOf } from "./section.js";
 import { Tools } from "./draw.js";
 import { offerSearch } from "./search.js";
@@ -14,7 +15,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null;
+let hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -57,6 +58,8 @@ function draw() {
   tools?.changed();
   if (state.sections > sections) drawSection();
   if (state.conflict !== null) $("conflict").querySelector("pre").textContent = differing(state.text, state.conflict);
+  runs.draw();
+  strip.draw();
   pane?.show();
 }
 
@@ -138,6 +141,7 @@ async function listen() {
 export async function main() {
   hand = new Hand(ask, show);
   section = new Section($("section"), (mark) => goTo(mark.place));
+  strip = new Strip($("strip"), { state, hand, choose, section });
   runs = new RunPanel({ state, hand, ask, token, differing });
   try { show(await ask("/case")); } catch (error) { $("saved").textContent = error.message; return; }
   pane = new TextPane($("text"), $("lines"), { state, hand, choose });
@@ -160,7 +164,7 @@ export async function main() {
   const under = new Underlays(section, { ask, picture, state, hand, goTo });
   offerSearch($("search"), $("found"), { state, hand, choose, goTo });
   offerStarts($("start"), { state, hand, ask });
-  globalThis.clastEditor = { state, hand, goTo, section, tools, under, pane, runs };
+  globalThis.clastEditor = { state, hand, goTo, section, tools, under, pane, runs, strip };
   document.body.dataset.ready = "yes";
   listen();
 }

@@ -82,6 +82,6 @@ export class RunPanel {
 /** Where a run is, in words. */
 function where({ where: { time, end, steps, contacts, stage, paused, said }, ending, seconds }) {
   if (ending) return "ends after this step";
-  if (time === undefined) return `is read, for ${seconds} s`;
+  if (time === undefined) return `begins, for ${seconds} s`;
   return [paused && "paused", stage && `stage ${stage}`, `t ${withUnit(time, "s", 4)} of ${withUnit(end, "s", 4)}`, `${steps} steps`, `${contacts} contacts`, said].filter(Boolean).join(", ");
 }

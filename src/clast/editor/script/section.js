@@ -84,6 +84,7 @@ export class Section {
       const run = new RunData(news.scene);
       await run.decode();
       this.run = run;
+      this.state.frame = Math.min(this.state.frame, run.frameCount - 1);
       this.origin = news.scene.origin;
       this.fillLayers();
     } else if (!this.run) {
@@ -169,7 +170,7 @@ export class Section {
     const mark = this.marks.find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
     if (mark) return this.asked(mark);
     if (this.tools?.click(x, y)) return;
-    this.state.chosen = this.run ? this.run.blockAt(0, this.view.worldX(x), this.view.worldY(y)) : -1;
+    this.state.chosen = this.run ? this.run.blockAt(this.state.frame, this.view.worldX(x), this.view.worldY(y)) : -1;
     this.tellPlace(x, y);
     this.changed();
   }
@@ -238,13 +239,13 @@ export class Section {
 
   draw() {
     const { view, run, theme, state } = this;
-    const seen = { run, view, theme, state, scale: null, frame: 0 };
+    const seen = { run, view, theme, state, scale: null, frame: state.frame };
     // blocks are drawn again only where they or the view have changed
-    const where = `${view.x},${view.y},${view.scale}`;
+    const where = `${state.frame},${view.x},${view.y},${view.scale}`;
     if (this.kept !== where) {
       this.kept = where;
       const pen = this.penOf(this.below, theme.paper);
-      if (run) drawBlocks(pen, run, view, 0, coloursOf(run, state)[0], theme);
+      if (run) drawBlocks(pen, run, view, state.frame, coloursOf(run, state)[0], theme);
       if (run) fillLegend(this.root.querySelector(".entries"), seen);
     }
     const pen = this.penOf(this.above);

@@ -1,0 +1,52 @@
+"""What is there in each stage, as the section shows it, is there in the run of the case."""
+
+import base64
+import zlib
+
+import numpy as np
+import pytest
+
+from clast.case.case_file import Case
+from clast.case.templates import TEMPLATES
+from clast.editor.checking import check
+from clast.editor.section import section_of
+from clast.pictures.page.scene import scene_of
+
+
+def states(scene, blocks):
+    """Return which blocks are there and which bolts installed, by frame, and the waters."""
+    frames = len(scene["times"])
+    there = np.ones((frames, blocks), bool)
+    for block, changes in enumerate(scene["gone"]):
+        for change in changes:
+            there[change:, block] ^= True
+    bolts = scene["bolts"]
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(bolts["state"])), np.uint8)
+    installed = planes.reshape(4, -1)[0].reshape(frames, -1) > 0
+    return there, installed, [[number for number, _ in one] for one in scene["levels"]]
+
+
+@pytest.mark.parametrize("name", ["tunnel", "lined-tunnel", "slope"])
+def test_a_stage_shows_what_the_run_has_by_then(name):
+    text = TEMPLATES[name]
+    case = Case.from_text(text, "case.toml", ["time.end=0.02"])
+    shown = section_of(check(text, "case.toml"))["scene"]
+    names = [stage.name for stage in case.stage]
+    assert shown["stages"] == [names[0], *names]
+    ran = scene_of(case.run(warn=lambda _: None), budget=0.0)
+    blocks = len(shown["blocks"])
+    assert ran["blocks"] == shown["blocks"]
+    expected, found = states(ran, blocks), states(shown, blocks)
+    for number, stage in enumerate(names):
+        last = len(ran["stages"]) - 1 - ran["stages"][::-1].index(stage)
+        for of_run, of_section in zip(expected, found, strict=True):
+            assert np.array_equal(of_run[last], of_section[number + 1]), stage
+    assert np.array_equal(expected[0][0], found[0][0])
+
+
+def test_bolts_that_no_stage_names_are_there_from_the_start():
+    text = TEMPLATES["slope"].replace('stage = "cables"', "")
+    assert text != TEMPLATES["slope"]
+    shown = section_of(check(text, "case.toml"))["scene"]
+    _, installed, _ = states(shown, len(shown["blocks"]))
+    assert installed.size and installed.all()

@@ -1,0 +1,98 @@
+"""The strip of stages as a person uses it: what is there by then, order, names, what they bring."""
+
+import pytest
+
+from clast.case.templates import TEMPLATES
+from scenes.browsers import CHROMIUM, until
+from scenes.edited import edited_file
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
+GONE = """(() => { const { run, state } = clastEditor.section;
+return run.scene.blocks.filter((_, k) => run.isGone(state.frame, k)).length; })()"""
+NAMES = "clastEditor.state.content.stage.map((one) => one.name).join()"
+FIRST = "settled,heading,bolts,bench,shotcrete,earthquake"
+
+
+@pytest.fixture
+def window(opened, tmp_path):
+    """Return the page of the template of a lined tunnel, its blocks drawn, and the file."""
+    file = tmp_path / "tunnel.toml"
+    file.write_text(TEMPLATES["lined-tunnel"], "utf-8", newline="")
+    with edited_file(file) as server:
+        page = opened(server)
+        until(page, "globalThis.clastEditor?.section.run?.frameCount === 7")
+        yield page, file
+        page.close()
+
+
+def stage(page, number):
+    page.click(f"#strip li:nth-child({number + 1}) button")
+
+
+def named(page, names):
+    until(page, f"{NAMES} === '{names}'")
+
+
+def test_a_stage_shows_what_is_there_by_then(window):
+    page, _ = window
+    lined, heading = page.evaluate(GONE), {}
+    assert page.text_content("#strip [aria-current] b") == "start"
+    for number in (1, 2, 4, 5):
+        stage(page, number)
+        heading[number] = page.evaluate(GONE)
+    assert heading[1] == lined < heading[2] < heading[4]
+    assert heading[5] == heading[4] - lined  # the segments of the lining have come
+    assert page.text_content(".form h2") == "stage 5"
+    legend = page.text_content(".entries")
+    assert "excavated" in legend and "not installed" not in legend
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate(GONE) == heading[4]
+    page.click("nav [data-table='[\"stage\",2]']")  # the tree and the strip choose the same
+    assert page.text_content("#strip [aria-current] b") == "3 bolts"
+    told = page.text_content("#strip [aria-current]")
+    assert told == "3 boltsbolt pattern 1"
+    assert page.text_content("#strip li:nth-child(6) small") == "lining shotcrete"
+
+
+def test_stages_are_added_moved_named_and_taken_away(window):
+    page, file = window
+    stage(page, 3)
+    page.click("#strip [data-tool=add]")
+    named(page, FIRST.replace("bench", "stage 7,bench"))
+    name = page.locator("#strip [data-tool=name]")
+    name.fill("invert")
+    name.press("Enter")
+    named(page, FIRST.replace("bench", "invert,bench"))
+    page.click("#strip [data-tool=earlier]")
+    named(page, FIRST.replace("bolts", "invert,bolts"))
+    assert page.text_content("#strip [aria-current] b") == "3 invert"
+    page.click("#strip [data-tool=later]")
+    page.click("#strip [data-tool=later]")
+    named(page, FIRST.replace("bench", "bench,invert"))
+    page.click("#strip [data-tool=remove]")
+    named(page, FIRST)
+    stage(page, 3)
+    name.fill("anchors")
+    name.press("Enter")
+    until(page, "clastEditor.state.content.bolt_pattern[0].stage === 'anchors'")
+    page.keyboard.press("Control+z")
+    until(page, "clastEditor.state.unsaved === false && !clastEditor.hand.isBusy")
+    assert file.read_text("utf-8") == TEMPLATES["lined-tunnel"]
+
+
+def test_openings_are_dug_where_they_are_chosen(window):
+    page, _ = window
+    stage(page, 4)
+    assert page.locator("#strip [data-tool=excavate]").count() == 0  # all are dug
+    page.click("#strip [data-tool=remove]")
+    named(page, FIRST.replace(",bench", ""))
+    stage(page, 4)
+    page.select_option("#strip [data-tool=excavate]", "bench")
+    until(page, "clastEditor.state.content.stage[3].excavate?.[0] === 'bench'")
+    until(page, "clastEditor.section.run.frameCount === 6 && clastEditor.state.checked")
+    both = page.evaluate(GONE)
+    stage(page, 2)
+    assert page.evaluate(GONE) > both  # the lining is not there yet
+    page.click("#strip [data-tool=remove]")
+    page.click("#strip [data-tool=remove]")
+    until(page, "clastEditor.state.content.stage.length === 3")
