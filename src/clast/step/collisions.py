@@ -46,8 +46,9 @@ In units of the velocity of the impact.
 """
 ROUGH_TOLERANCE, FINAL_TOLERANCE = 0.3, 1e-2
 """The same while others may join, and of many contacts, in units of the velocity that is felt."""
-RENEWALS_EXTRA, RENEWAL_ROUNDS = 500, 8
-"""Impulses that are renewed at most before others join, beside so many times all."""
+RENEWAL_ROUNDS, RENEWALS_EXTRA = 8, 500
+"""Times that all impulses are renewed at most before others join, and how many impulses beside that
+once none does."""
 RENEWALS_PER_CONTACT_MAX, CONTACTS_COUNTED_MIN = 500, 200
 """Impulses that are renewed in a step at most for each of its contacts, of which it has some.
 
@@ -229,7 +230,7 @@ def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
     enough, more, is_rough = ROUGH_TOLERANCE * felt, True, True
     while more:
         count = group.counts[0]
-        most = RENEWAL_ROUNDS + RENEWALS_EXTRA // count
+        most = RENEWAL_ROUNDS + (0 if is_rough else RENEWALS_EXTRA // count)
         taken = find(enough, most, count, blocks[: group.counts[1]], linear, course, velocity)
         group.counts[2] -= taken * count
         more = _pass_on(time, felt, bodies, contacts, live, around, group)
