@@ -109,7 +109,7 @@ def stepped(ground, rock, state, gravity, bearing, length):
                 one[NORMAL_TARGET] = 0.0
             else:
                 gap = frame(ground, rock, state, kind, i, k)[4]
-                one[NORMAL_TARGET] = -DRIFT * gap / length
+                one[NORMAL_TARGET] = -DRIFT * gap / length if length > 0.0 else 0.0
             one[NX], one[NY], one[RX], one[RY] = nx, ny, rx, ry
             one[SLIP_TARGET] = 0.5 * contact_speeds(one, state[3:])[1] if slipping[j] else 0.0
             one[N], one[T], one[MOMENT] = 0.0, 0.0, 0.0
@@ -167,13 +167,16 @@ def step_to_touch(ground, rock, state, gravity, bearing, length, others):
     above, below = least_gap(ground, rock, state, others), least_gap(ground, rock, after, others)
     if below >= -touch:
         return after, sliding, rolling, length, False
+    # one that opens, but has not left what counts as a touch, touches when it is there again
+    level = above if above < -exact else 0.0
+    above, below = above - level, below - level
     low, high = 0.0, length
     for _ in range(ROOTS):
         # regula falsi (Illinois), or the middle where parts are not beside each other yet
         way = above / (above - below) if 0.0 < above < np.inf else 0.5
         cut = low + (high - low) * min(max(way, 1e-3), 1.0 - 1e-3)
         after, sliding, rolling = stepped(ground, rock, state, gravity, bearing, cut)
-        gap = least_gap(ground, rock, after, others)
+        gap = least_gap(ground, rock, after, others) - level
         if abs(gap) <= exact:
             return after, sliding, rolling, cut, True
         if gap < 0.0:

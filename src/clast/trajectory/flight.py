@@ -73,7 +73,8 @@ def first_touch(ground, rock, state, gravity, pair, span):
         gap, rate = seen[4], rate_of(ground, there, kind, k, seen)
         if gap <= exact and gap > -touch and rate < 0.0:
             if seen[5] >= -touch and is_before(ground, there, kind, k, seen[0], seen[1]):
-                return time - gap / rate  # a last step of Newton's method
+                # a last step of Newton's method; not back to where a gap that closes again opened
+                return time - gap / rate if gap > -exact else time
         closing = gap > exact and rate < 0.0
         if gap < -exact:
             rate = -rate
