@@ -71,7 +71,9 @@ export class Underlays {
     this.roles = rolesOf(this.state.schema);
     const place = document.createElement("details");
     place.innerHTML = "<summary>Underlay</summary>";
-    section.root.querySelector(".legend").append(place);
+    const layers = section.root.querySelector(".legend details");
+    layers.before(place);
+    layers.name = place.name = "panels"; // one would cover the other
     this.panel = document.createElement("div");
     Object.assign(this.panel, { className: "under", hidden: true });
     const row = document.createElement("div"), canvases = section.root.querySelector(".canvases");
