@@ -15,7 +15,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
+let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
@@ -41,14 +41,18 @@ function draw() {
   showForms($("forms"), { ...state, hand, choose });
   $("undo").disabled = !state.undo[0];
   $("redo").disabled = !state.undo[1];
-  const count = state.faults.length, told = `${count} ${count === 1 ? "fault" : "faults"}`;
+  const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
-    : state.refused_as_case ? `not saved: ${told}` : "not saved yet";
+    : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
   const size = state.blocks === null ? "" : `${state.blocks} blocks${state.steps === null ? "" : `, some ${state.steps} steps`}`;
-  $("saved").textContent = [saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - ");
-  $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
-  $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
-  $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
+  const news = [saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
+  if ($("saved").textContent !== news) $("saved").textContent = news;
+  if (said !== told) { // what is told already is not told again
+    said = told;
+    $("faults").replaceChildren(...state.faults.map((one) => remark(one, "fault")), ...state.warnings.map((one) => remark(one, "warning")));
+    $("notes").replaceChildren(...state.notes.map((one) => remark(one, "note")));
+    $("notes-count").textContent = `Notes of the check: ${state.notes.length}`;
+  }
   $("write").hidden = !(state.unsaved && state.refused_as_case && state.conflict === null);
   $("cut").hidden = !state.off || state.checked || state.is_cutting;
   showPatience();

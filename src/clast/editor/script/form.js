@@ -141,9 +141,10 @@ function Name({ ctx, place }) {
 
 // --- the values ----------------------------------------------------------------------------------
 
+/** Faults of a value; they are announced below the section, once. */
 function Faults({ ctx, place }) {
   const own = ctx.faults.filter((one) => key(one.place) === key(place));
-  return html`<span class="fault" role="alert">${own.map((one) => `${one.what}. ${one.remedy}`).join(" ")}</span>`;
+  return html`<span class="fault">${own.map((one) => `${one.what}. ${one.remedy}`).join(" ")}</span>`;
 }
 
 /** Rows of a table: keys that are given, that have faults, and those of the level. */
