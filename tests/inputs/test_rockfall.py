@@ -120,6 +120,52 @@ BROKEN = {
     "millimetres": ({"rockfall": {"profile": [[0, 0], [1e15, 0]]}}, "1e+15 m wide or high"),
     "gravity": ({"gravity": [0.0, 9.8]}, "points up"),
     "seed": ({"rockfall": {"seed": -1}}, "seed"),
+    "a number in quotes": (
+        {"surface": {"rock": {**ROCK, "normal_restitution": "0.4"}}},
+        "'0.4' is not a distribution",
+    ),
+    "a list in quotes": (
+        {"surface": {"rock": {**ROCK, "normal_restitution": "[0.3, 0.4]"}}},
+        "write a number without quotes",
+    ),
+    "no spread": (
+        {"surface": {"rock": {**ROCK, "normal_restitution": "normal(0.4)"}}},
+        "normal lacks sd",
+    ),
+    "an instruction": (
+        {"surface": {"rock": {**ROCK, "normal_restitution": "import os"}}},
+        "is not a valid distribution",
+    ),
+    "texts": (
+        {"surface": {"rock": {**ROCK, "normal_restitution": "discrete(['a'])"}}},
+        "values that are not numbers",
+    ),
+    "no roughness": (
+        {"surface": {"rock": {**ROCK, "roughness_spacing": 1.0}}},
+        "without roughness",
+    ),
+    "no facets": (
+        {"surface": {"rock": {**ROCK, "roughness": 3.0, "roughness_spacing": 0.0}}},
+        "must be above 0",
+    ),
+    "percent": ({"surface": {"rock": {**ROCK, "tangential_restitution": 80}}}, "from 0 to 1"),
+    "a lever": ({"surface": {"rock": {**ROCK, "rolling_resistance": -1.0}}}, "from 0 to 1000"),
+    "an angle": ({"surface": {"rock": {**ROCK, "friction_angle": 90.0}}}, "from 0 to 89.9"),
+    "two places": ({"source": [{**SOURCE, "line": [[1, 12], [2, 12]]}]}, "has at and line"),
+    "half a place": ({"source": [{**SOURCE, "at": [2]}]}, "number 2 is missing"),
+    "aloft": ({"source": [{**SOURCE, "at": [2, 1e9]}]}, "far above the profile"),
+    "tonnes": ({"source": [{**SOURCE, "density": 2.7}]}, "from 100 to 100000"),
+    "two corners": ({"source": [{**SOURCE, "corners": 2}]}, "from 3 to 60"),
+    "flat": ({"source": [{**SOURCE, "elongation": 0.5}]}, "from 1 to 20"),
+    "no direction": ({"source": [{**SOURCE, "velocity": 3.0}]}, "must be a list"),
+    "mass": ({"source": [{**SOURCE, "mass": 500.0}]}, "there is no such key"),
+    "sources twice": ({"source": [SOURCE, SOURCE]}, "two sources with that name"),
+    "a tower": ({"barrier": [{**FENCE, "height": 1e9}]}, "must be 1000 or less"),
+    "a floor": ({"barrier": [{**FENCE, "inclination": 90.0}]}, "must be below 89"),
+    "no height": ({"barrier": [{**FENCE, "height": 0.0}]}, "must be above 0"),
+    "no surface": ({"rockfall": {"surface": []}}, "names 0 surface(s) for 3 segment(s)"),
+    "upright": ({"rockfall": {"profile": [[0, 1], [0, 9]]}}, "begins and ends at the same x"),
+    "no number": ({"rockfall": {"profile": [[0, float("nan")], [1, 2]]}}, "a finite number"),
 }
 
 

@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validator
 
-from clast.errors import CaseError, Fault, ModelError
+from clast.errors import CaseError, Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.annotations import Extends
 from clast.inputs.declaring.builder_methods import ByKeys
@@ -31,7 +31,7 @@ from clast.inputs.declaring.table import (
 from clast.inputs.declaring.validation_messages import refusal, refusals
 from clast.model import ranges
 from clast.model.distribution_texts import DRAWN, read
-from clast.model.distributions import Distribution
+from clast.model.distributions import Distribution, Values
 from clast.model.model import Floats
 from clast.trajectory.campaign import Source, deck_of
 from clast.trajectory.ground import (
@@ -52,7 +52,13 @@ from clast.trajectory.standing import Blocks
 
 def quantity(value: float | str) -> Distribution | float:
     """Return a number, or the distribution of a text; raises CaseError for no valid one."""
-    return read(value, "", DRAWN) if isinstance(value, str) else value
+    if not isinstance(value, str):
+        return value
+    made = read(value, "", DRAWN)
+    if isinstance(made, Values):
+        what = f"'{shortened(value)}' is not a distribution"
+        raise CaseError(what, remedy='write a number without quotes, or "normal(0.35, 0.04)"')
+    return made
 
 
 def between(low: float, high: float) -> AfterValidator:
@@ -298,7 +304,7 @@ class SourceTable(Table):
     """Number of rocks; as many as blocks if absent, which take turns if there are fewer."""
     volume: Annotated[Varied, between(1e-9, 1e9)] | None = None
     """Volume of a rock, m3; a number or a distribution."""
-    density: Annotated[Varied, between(1.0, 1e5)] = 2700.0
+    density: Annotated[Varied, between(100.0, 1e5)] = 2700.0
     """Density, kg/m3."""
     length: Length | None = None
     """Length of rocks out of the plane, m; the cube root of the volume if absent."""
@@ -386,7 +392,7 @@ class BarrierTable(Table):
     """Name."""
     x: Annotated[Coordinate, Extends("station")]
     """Its foot, on the profile, m."""
-    height: Length
+    height: Annotated[Number, Field(gt=0.0, le=1e3)]
     """Height along it, m."""
     inclination: Annotated[Number, Field(gt=-89.0, lt=89.0)] = 0.0
     """Angle from the vertical, positive towards +x, degrees."""

@@ -131,19 +131,22 @@ class RockfallInputs:
         return sorted([*((float(x), "") for x in equal), *places])
 
     def _check_heights(self, bare: Ground, origin: Floats) -> None:
-        """Raise ModelError for a source that is farther below the profile than a rock is large."""
+        """Raise ModelError for a source deeper below the profile than a rock is large, or aloft."""
         for source in self.sources:
             size = source.largest_volume ** (1.0 / 3.0)
             for end in source.line or (source.at,):
                 if end is None:
                     continue
                 x, y = np.array(end) - origin
+                where = f"source '{shortened(source.name)}'"
+                if y > WIDEST:
+                    what = f"is at y = {end[1]:g}, far above the profile"
+                    raise ModelError(what, where=where, remedy="give it in metres")
                 if np.isnan(height_below(bare, x, y + size)):
                     ground = height_below(bare, x, np.inf) + origin[1]
                     what = (
                         f"is at y = {end[1]:g}, below the profile, which is at {ground:.4g} there"
                     )
-                    where = f"source '{shortened(source.name)}'"
                     raise ModelError(what, where=where, remedy="raise it")
 
     def _check(self, points: Floats, named: Sequence[Sequence[str]]) -> None:
