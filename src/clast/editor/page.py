@@ -13,7 +13,7 @@ OF_PAGES = (
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
 SCRIPTS = (
-    "values hand form handles snaps choices draw underlay start text search run stages edit"
+    "values hand form handles snaps choices signs draw underlay start text search run stages edit"
 ).split()
 """Modules of the page, each after those that it imports."""
 

@@ -167,11 +167,11 @@ class BoltPattern(Anchorage):
     """Name of an [[opening]], or corners [x, y] of one, m."""
     length: Annotated[Length, Extends("length", "opening")]
     """Length of each bolt, m."""
-    spacing: Length
+    spacing: Annotated[Length, Extends("along", "opening")]
     """Distance of the heads along the wall, m."""
-    from_: Degrees = Field(0.0, alias="from")
+    from_: Annotated[Degrees, Extends("direction", "opening")] = Field(0.0, alias="from")
     """First direction, degrees, counter-clockwise from +x."""
-    to: Degrees = 360.0
+    to: Annotated[Degrees, Extends("direction", "opening")] = 360.0
     """Last direction, degrees; both ends keep half of the remaining spacing."""
 
     @model_validator(mode="after")

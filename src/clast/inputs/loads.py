@@ -125,7 +125,9 @@ class Pressure(AlongLine):
     blocks, and goes with them.
     """
 
-    value: Annotated[Stress | tuple[Stress, Stress], OR_PAIR]
+    value: Annotated[
+        Annotated[Stress | tuple[Stress, Stress], OR_PAIR], Extends("pressure", "start")
+    ]
     """Pressure, Pa, positive into the blocks: one number, or [at start, at end], linear between."""
     block: StrictStr | None = None
     """Block; needed only where edges of two blocks lie on the line."""

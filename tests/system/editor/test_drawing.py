@@ -169,9 +169,9 @@ DRAWN = {
     ),
     ("bolt", "bolt"): (["8,9", "@3<180"], "bolt", {"start": [8, 9], "end": [5, 9], "kind": "bar"}),
     ("bolt", "bolt pattern"): (
-        ["9,9", "2"],
+        ["9,9", "2", "1.5"],
         "bolt_pattern",
-        {"opening": "adit", "length": 2, "kind": "bar"},
+        {"opening": "adit", "length": 2, "spacing": 1.5, "kind": "bar"},
     ),
     ("lining", "lining: opening"): (["9,9", ""], "lining", {"opening": "adit"}),
     ("lining", "lining: polyline"): (
@@ -191,7 +191,11 @@ DRAWN = {
         "line_load",
         {"start": [4, 20], "end": [6, 20], "traction": [0, -10000]},
     ),
-    ("load", "pressure"): (["4,20", "6,20"], "pressure", {"start": [4, 20], "end": [6, 20]}),
+    ("load", "pressure"): (
+        ["4,20", "6,20", "2e5"],
+        "pressure",
+        {"start": [4, 20], "end": [6, 20], "value": 2e5},
+    ),
     ("load", "fill"): (["0,22", "20,22", ""], "fill", {"surface": [[0, 22], [20, 22]]}),
     ("support", "fixed point"): (["3,0"], "fixed_point", {"at": [3, 0]}),
     ("outline", "region: polygon"): (
@@ -265,12 +269,18 @@ def test_sizes_have_handles(drawing):
     hand.drag((12.0, 11.0), (13.0, 12.0))
     assert hand.content["opening"][0]["size"] == pytest.approx([5.0, 4.0], abs=0.1)
     hand.tool("bolt", "bolt pattern")
-    hand.type("9,9", "2")
+    hand.type("9,9", "2", "1.5")
     hand.rest()
     hand.tool("select")
-    ((x, y),) = hand.page.evaluate("clastEditor.tools.handles.map(({ at }) => at)")
+    handles = dict(
+        hand.page.evaluate("clastEditor.tools.handles.map(({ what, at }) => [what, at])")
+    )
+    x, y = handles["length"]
     hand.drag((x, y), (x - 1.0, y))
     assert hand.content["bolt_pattern"][0]["length"] == pytest.approx(3.0, abs=0.1)
+    x, y = handles["spacing"]
+    hand.drag((x, y), (x, y - 0.5))
+    assert hand.content["bolt_pattern"][0]["spacing"] == pytest.approx(2.0, abs=0.1)
 
 
 def test_a_line_that_crosses_itself_is_marked_at_the_crossing(drawing):
@@ -331,3 +341,45 @@ def test_a_typed_point_comes_into_sight(drawing):
         "[clastEditor.section.view.width, clastEditor.section.view.height]"
     )
     assert 0 < x < width and 0 < y < height
+
+
+def test_loads_are_arrows_with_handles(drawing):
+    hand = drawing(EMPTY)
+    hand.tool("load", "pressure")
+    hand.type("4,20", "6,20", "2e5")
+    hand.tool("load", "point load")
+    hand.type("10,20", "0,-5e4")
+    hand.rest()
+    hand.tool("select")
+    arrows = hand.page.evaluate("clastEditor.tools.shapes.flatMap((one) => one.arrows)")
+    assert len(arrows) == 4
+    for (x0, y0), (x1, y1) in arrows[1:]:  # from above the rock onto it
+        assert y0 > y1 == pytest.approx(20.0) and x0 == pytest.approx(x1)
+    (_, (x, y)) = arrows[0]
+    half = 0.5 * (20.0 + y)
+    hand.drag((x, y), (10.0, half))
+    fx, fy = hand.content["point_load"][0]["force"]
+    assert (fx, fy) == pytest.approx((0.0, -25e3), abs=3e3)
+    assert hand.steps == 3
+
+
+def test_the_stress_in_the_rock_is_told_at_the_pointer(drawing):
+    hand = drawing(EMPTY + "[in_situ]\nvertical = 'overburden'\nk0 = 0.5\ndatum = 100.0\n")
+    stress = hand.page.evaluate("modules.signs.stressAt(clastEditor.state.content, 20)")
+    assert stress == pytest.approx([-0.5 * 2700 * 9.8 * 80, -2700 * 9.8 * 80, 0.0])
+    hand.choose("in_situ")
+    hand.page.mouse.move(*hand.at(5.0, 5.0))
+    other = hand.page.evaluate(
+        "modules.signs.stressAt({in_situ: {stress: [-1, -2, 0.5], gradient: [-1, 0, 0]}}, -3)"
+    )
+    assert other == [-4, -2, 0.5]
+
+
+def test_another_seed_is_a_key(drawing):
+    hand = drawing(EMPTY)
+    hand.tool("joint set")
+    hand.type("1,1", "@10<40", "2.5")
+    hand.rest()
+    hand.keys.press("Escape")
+    hand.keys.press("r")
+    assert hand.content["joint_set"][0]["seed"] >= 0

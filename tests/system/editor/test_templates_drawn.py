@@ -163,8 +163,8 @@ def test_the_lined_tunnel(empty):
     hand.fill(stiffness="2e7", yield_force="1.2e5", rupture_elongation="0.1", pretension="1e4")
     hand.tool("bolt", "bolt pattern")
     hand.click(0.0, 1.5)
-    hand.type("4")
-    hand.fill(spacing="1.3", to="180", anchorage="grouted", free_length="0.3", stage="bolts")
+    hand.type("4", "1.3")
+    hand.fill(to="180", anchorage="grouted", free_length="0.3", stage="bolts")
     hand.tool("lining", "lining: polyline")
     for x, y in ((3, -3), *HEADING[2:], (-3, -3)):
         hand.click(x, y)

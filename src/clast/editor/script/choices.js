@@ -10,7 +10,7 @@ const TOOLS = [
   ["3", "trace", ["trace.points"]],
   ["4", "joint set", ["joint_set.origin.angle.spacing"]],
   ["5", "opening", ["opening"]],
-  ["6", "bolt", ["bolt", "bolt_pattern"]],
+  ["6", "bolt", ["bolt", "bolt_pattern.opening.length.spacing"]],
   ["7", "lining", ["lining.opening.part", "lining.polyline"]],
   ["8", "water", ["water"]],
   ["9", "load", ["point_load", "line_load", "pressure", "fill", "load_train"]],
@@ -19,8 +19,8 @@ const TOOLS = [
 ];
 /** What the drawing cannot know of a table that it makes; the form changes it. */
 const GIVEN = {
-  lining: { thickness: 0.2, segment: 1, young: 2e10 }, pressure: { value: 1e5 }, fill: { density: 2000 }, load_train: { position: 0, axles: [0], loads: [1e5] },
-  bolt_pattern: { spacing: 1.5 }, source: { rocks: 100, volume: 0.5 }, barrier: { height: 3 },
+  lining: { thickness: 0.2, segment: 1, young: 2e10 }, fill: { density: 2000 }, load_train: { position: 0, axles: [0], loads: [1e5] },
+  source: { rocks: 100, volume: 0.5 }, barrier: { height: 3 },
 };
 /** Tables of which a new entry is like the last one. */
 const ALIKE = new Set(["bolt", "bolt_pattern", "lining", "trace", "point_load", "line_load", "pressure", "block", "source", "barrier"]);
@@ -89,6 +89,7 @@ const WAYS = {
     if (!from) return undefined;
     if (point.number !== undefined) return point.number;
     if (step.geometry === "vector" && point.snap === "typed") return point.at; // a force is typed as it is
+    if (["vector", "pressure"].includes(step.geometry)) return EXTENTS[step.geometry].of(point.at, from.base, from.seen);
     return roundedExtent(EXTENTS[step.geometry], EXTENTS[step.geometry].of(point.at, from.base, from.seen), point.snap ? seen.digits + 3 : seen.digits);
   },
   edges: (_, [first, last], { content, values }) => {

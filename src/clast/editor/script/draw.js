@@ -2,6 +2,7 @@
 import { drawAxes } from "../../pictures/page/script/axes.js";
 import { baseOf, crossing, partOf, plain, pointText, shapesOf, shapeOf, sidesOf } from "./handles.js";
 import { digitsAt, gridStep, rounded, snapped, typed } from "./snaps.js";
+import { drawArrow, drawHeld, drawStress, stressAt } from "./signs.js";
 import { editsOf, roundedExtent, taken, toolsOf } from "./choices.js";
 
 const NEAR = 9;
@@ -86,13 +87,19 @@ export class Tools {
   get seen() {
     const { view, origin } = this.section, { scale } = view;
     const middle = [view.x + origin[0], view.y + origin[1]], digits = digitsAt(scale);
-    return { reach: REACH / scale, wide: (view.width + view.height) / scale, middle, digits, force: (this.held?.force ?? this.largest()) / (ARROW / scale) };
+    const { force, pressure } = this.held ?? this.largest(), arrow = ARROW / scale;
+    return { reach: REACH / scale, wide: (view.width + view.height) / scale, middle, digits, force: force / arrow, pressure: pressure / arrow, holds: (at) => this.holds(at) };
   }
 
-  /** The largest of all forces, N: its arrow is the longest. */
+  /** The largest of all forces and of all pressures, N and Pa: their arrows are the longest. */
   largest() {
-    const all = ["point_load", "line_load"].flatMap((table) => (this.state.content[table] ?? []).map((one) => Math.hypot(...(one.force ?? one.traction ?? [0]))));
-    return Math.max(0, ...all.filter(Number.isFinite)) || FORCE;
+    const of = (table, key) => (this.state.content[table] ?? []).map((one) => Math.hypot(...[one[key] ?? 0].flat())).filter(Number.isFinite);
+    return { force: Math.max(0, ...of("point_load", "force"), ...of("line_load", "traction")) || FORCE, pressure: Math.max(0, ...of("pressure", "value")) || FORCE };
+  }
+
+  holds(at) {
+    const { run, showsFile } = this.section;
+    return Boolean(run) && !showsFile && run.blockAt(0, ...this.section.local(at)) >= 0;
   }
 
   /** Follow the newest content of the case. */
@@ -144,7 +151,7 @@ export class Tools {
     if (before.length > 2 && this.taken().step?.isClosed && Math.hypot(at[0] - before[0][0], at[1] - before[0][1]) * view.scale < NEAR) return { at: before[0], snap: "closes", closes: true };
     const mine = { points: before, closed: false };
     return snapped(at, {
-      lines: [...others.flatMap(({ lines }) => lines), mine], dots: others.flatMap(({ dots }) => dots), joints: own ? [] : this.sides(),
+      lines: [...others.flatMap(({ lines }) => lines), mine], dots: others.flatMap(({ dots }) => dots), joints: own ? [] : this.sides(), corners: own ? [] : this.corners ?? [],
       before, near: NEAR / view.scale, step: gridStep(view.scale), digits,
     });
   }
@@ -160,11 +167,13 @@ export class Tools {
       const [first, past] = [run.blockStart[block], run.blockStart[block + 1]];
       return Array.from({ length: past - first }, (__, k) => [point(first + k), point(k + 1 < past - first ? first + k + 1 : first)]);
     }).flat();
+    this.corners = this.known.map(([point]) => point);
     return this.known;
   }
 
   over(x, y) {
     if (!this.section.origin) return;
+    this.hover = this.world(x, y);
     this.pointer = this.isDrawing ? this.meant(x, y) : this.held ? this.held.to : null;
     this.section.above.style.cursor = this.isDrawing ? "crosshair" : this.handleAt(x, y) ? "move" : "";
     const last = this.isDrawing && this.last, place = this.section.root.querySelector(".place");
@@ -194,7 +203,7 @@ export class Tools {
   press(event) {
     if (this.isDrawing || event.button || !this.section.origin) return;
     const handle = this.handleAt(event.offsetX, event.offsetY);
-    if (handle) this.held = { handle, own: key(this.chosen.find(({ handles }) => handles.includes(handle)).place), gesture: `draw ${++gestures}`, touched: new Set(), force: this.largest(), to: null };
+    if (handle) this.held = { handle, own: key(this.chosen.find(({ handles }) => handles.includes(handle)).place), gesture: `draw ${++gestures}`, touched: new Set(), ...this.largest(), to: null };
   }
 
   /** What a drag does instead of moving the view. */
@@ -366,6 +375,7 @@ export class Tools {
     if (tool) return () => this.take(tool.name);
     if (event.key.toLowerCase() === "n" && this.handles.length) return () => this.next(event.shiftKey ? -1 : 1);
     if (event.key in MOVES && handle && !handle.isMiddle) return () => this.nudge(handle, MOVES[event.key]);
+    if (event.key === "r" && this.state.chosen[0] === "joint_set" && this.state.chosen.length === 2) return () => this.reseed();
     if (event.key === "Escape" && this.grip) return () => { this.grip = ""; this.tell(); };
     if (event.key === "Delete" || event.key === "Backspace") return () => this.remove(handle);
     return null;
@@ -383,6 +393,11 @@ export class Tools {
     this.grip = nameOf(some[(at + way + (at < 0 && way < 0 ? 1 : 0) + some.length) % some.length]);
     this.nudging = `draw ${++gestures}`;
     this.tellGrip();
+  }
+
+  /** Give the chosen joint set another seed: another realisation of the same statistics. */
+  reseed() {
+    this.hand.edit([{ do: "set", place: [...this.state.chosen, "seed"], toml: String(Math.floor(1e6 * Math.random())) }]);
   }
 
   nudge(handle, [dx, dy]) {
@@ -415,12 +430,15 @@ export class Tools {
     if (this.where !== this.viewKey) this.renew();
     if (this.grid.checked) this.drawGrid(pen);
     if (!run || section.showsFile) drawAxes(pen, { run: { scene: { origin } }, view, theme });
+    drawHeld(pen, this.state.content, (point) => section.screen(point), theme.ink);
     const chosen = new Set(this.chosen);
     for (const shape of this.shapes) if (!chosen.has(shape)) this.drawShape(pen, shape, theme.ink, 1.2, Boolean(section.showsFile) || !run);
   }
 
   /** Draw the table that is chosen with its handles, and what is being drawn. */
   drawHand(pen) {
+    const stress = this.state.chosen[0] === "in_situ" && this.hover && stressAt(this.state.content, this.hover[1]);
+    if (stress) drawStress(pen, this.section.screen(this.hover), stress, this.section.theme);
     for (const shape of this.chosen) this.drawShape(pen, shape, this.section.theme.chosen, 3, true);
     if (!this.isDrawing) for (const handle of this.handles) this.drawHandle(pen, handle);
     if (this.isDrawing) this.drawPreview(pen);
@@ -494,12 +512,4 @@ const nameOf = ({ place, what }) => key([place, what === "middle" || what === "a
 function distance([[ax, ay], [bx, by]], [x, y]) {
   const [ux, uy] = [bx - ax, by - ay], length = ux * ux + uy * uy, share = length ? Math.max(0, Math.min(1, ((x - ax) * ux + (y - ay) * uy) / length)) : 0;
   return Math.hypot(ax + share * ux - x, ay + share * uy - y);
-}
-
-function drawArrow(pen, [x0, y0], [x1, y1], colour, width) {
-  const length = Math.hypot(x1 - x0, y1 - y0);
-  if (length < 1) return;
-  const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length], size = Math.min(10, 0.5 * length);
-  pen.lines([[x0, y0, x1, y1]], colour, width);
-  pen.areas([[x1, y1, x1 - size * ux - 0.4 * size * uy, y1 - size * uy + 0.4 * size * ux, x1 - size * ux + 0.4 * size * uy, y1 - size * uy - 0.4 * size * ux]], colour);
 }

@@ -21,7 +21,8 @@ export const pointText = (point) => `[${point.map(plain).join(", ")}]`;
 
 /**
  * Sizes and directions from a point: where their handle is, and the value that a place of it means.
- * `seen` has `reach`, m, for what has no length, `middle` of the view, `force`, N for each metre drawn.
+ * `seen` has `reach`, m, for what has no length, `middle` of the view, `force` and `pressure`, N and Pa for each
+ * metre drawn, and `holds`, whether a block is at a point.
  */
 export const EXTENTS = {
   radius: { at: (r, [x, y]) => [x + r, y], of: away },
@@ -41,6 +42,19 @@ export const EXTENTS = {
   vector: {
     at: ([fx, fy], [x, y], { force }) => [x + fx / force, y + fy / force],
     of: ([px, py], [x, y], { force }) => [px - x, py - y].map((one) => Number((one * force).toPrecision(2))),
+  },
+  pressure: {
+    at: (p, [x, y], { out: [ox, oy], pressure }) => [x + (ox * p) / pressure, y + (oy * p) / pressure],
+    of: ([px, py], [x, y], { out: [ox, oy], pressure }) => Number((((px - x) * ox + (py - y) * oy) * pressure).toPrecision(2)),
+  },
+  along: {
+    at: (s, [x, y], { out: [ox, oy] }) => [x - s * oy, y + s * ox],
+    of: ([px, py], [x, y], { out: [ox, oy] }) => Math.abs((py - y) * ox - (px - x) * oy),
+  },
+  direction: {
+    at: (a, [x, y], { reach }) => [x + reach * Math.cos(RAD * a), y + reach * Math.sin(RAD * a)],
+    of: ([px, py], [x, y]) => (Math.atan2(py - y, px - x) / RAD + 360) % 360,
+    isAngle: true,
   },
   level: { at: (y, _, { middle }) => [middle[0], y], of: ([, py]) => py },
   station: { at: (x, _, { middle }) => [x, middle[1]], of: ([px]) => px },
@@ -108,17 +122,23 @@ export function baseOf(content, node, value, name, seen) {
   const { geometry, from } = notesOf(node.properties[name]);
   const all = { ...seen, angle: typeof value.angle === "number" ? value.angle : 0 };
   if (!from) return { base: null, seen: all };
-  const key = from;
-  if (geometry === "length") {
-    const outline = isPoints(value[key]) ? counterClockwise(value[key]) : outlineNamed(content, notesOf(node.properties[key]).refers_to?.[0], value[key]);
+  if (AROUND.has(geometry)) {
+    const outline = isPoints(value[from]) ? counterClockwise(value[from]) : outlineNamed(content, notesOf(node.properties[from]).refers_to?.[0], value[from]);
     if (!outline) return null;
     const angle = RAD * 0.5 * ((value.from ?? 0) + (value.to ?? 360)), out = [Math.cos(angle), Math.sin(angle)], c = meanOf(outline);
-    return { base: reached(outline, c, out), seen: { ...all, out } };
+    return { base: geometry === "direction" ? c : reached(outline, c, out), seen: { ...all, out } };
   }
-  const base = value[key] ?? (key === "origin" ? lowerLeft(content) : undefined);
+  const base = value[from] ?? (from === "origin" ? lowerLeft(content) : undefined);
   if (!isPoint(base)) return null;
-  return { base: geometry === "vector" && isPoint(value.end) ? middleOf(base, value.end) : base, seen: all };
+  if (!isPoint(value.end)) return { base, seen: all };
+  const [ux, uy] = [value.end[0] - base[0], value.end[1] - base[1]], length = Math.hypot(ux, uy) || 1, middle = middleOf(base, value.end);
+  // a pressure comes from the side without a block
+  const left = [-uy / length, ux / length], isHeld = all.holds?.([0, 1].map((k) => middle[k] + left[k] * 0.05 * length));
+  return { base: middle, seen: { ...all, out: isHeld ? [-left[0], -left[1]] : left } };
 }
+
+const AROUND = new Set(["length", "along", "direction"]);
+/** What is told of the outline of an opening. */
 
 /** Where a ray from inside leaves an outline. */
 function reached(outline, [x, y], [ox, oy]) {
@@ -150,11 +170,14 @@ export function shapeOf(content, node, value, place, seen) {
     if (geometry === "point" && isPoint(held)) {
       if (ends.length !== 2) shape.dots.push(held);
       add(held, { place: at, what: name, of: (point) => [[at, point]] });
-    } else if (extent && (typeof held === "number" || isPoint(held))) {
+    } else if (extent && (typeof held === "number" || (isPoint(held) && geometry !== "pressure"))) {
       const from = baseOf(content, node, value, name, seen);
       if (!from) continue;
       const tip = extent.at(held, from.base, from.seen), ofExtent = (point) => [[at, extent.of(point, from.base, from.seen), extent]];
-      if (geometry === "vector") shape.arrows.push([from.base, tip]);
+      for (const at of isPoint(value.end) ? [value.start, from.base, value.end] : [from.base]) {
+        if (geometry === "vector") shape.arrows.push([at, extent.at(held, at, from.seen)]);
+        if (geometry === "pressure") shape.arrows.push([extent.at(held, at, from.seen), at]);
+      }
       add(tip, { place: at, what: name, of: ofExtent, from: from.base });
     } else if (isPoints(held)) addLine(shape, held, geometry === "polygon", at, one);
   }

@@ -50,14 +50,14 @@ function nearest(some, at, reach, of = (one) => one) {
 
 /**
  * The point that a place of the pointer means, m, with `snap`, the name of what it lies on.
- * `lines` and `dots` are those of the file, `joints` sides of blocks, `before` the last points drawn.
+ * `lines` and `dots` are those of the file, `joints` and `corners` those of blocks, `before` the last points drawn.
  */
-export function snapped(at, { lines, dots, joints, before, near, step, digits }) {
+export function snapped(at, { lines, dots, joints, corners, before, near, step, digits }) {
   const places = [...lines.filter((line) => !line.isEndless).flatMap((line) => line.points), ...dots];
   const vertex = nearest(places, at, near);
   if (vertex) return { at: vertex, snap: "vertex" };
   const told = (point, more) => point.map((x) => rounded(x, digits + more));
-  const corner = nearest(joints.flat(), at, near);
+  const corner = nearest(corners, at, near);
   if (corner) return { at: told(corner, 2), snap: "corner of a block" };
   const edge = nearest(lines.flatMap(sidesOf), at, 0.7 * near, (side) => footOn(side, at));
   if (edge) return { at: told(edge, 4), snap: "edge" };

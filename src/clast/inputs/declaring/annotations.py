@@ -4,7 +4,8 @@
 
 ``unit``      unit of its numbers, "-" for none, from the sentence below the key
 ``geometry``  point, polyline or polygon, m, where the section shows it; or radius, width, height,
-              size, angle, spacing, vector, length, level or station of something that it shows
+              size, angle, spacing, vector, pressure, length, along, direction, level or station
+              of something that it shows
 ``from``      key of the point or outline at which such a size or direction begins
 ``refers_to`` tables of which it holds a name
 ``when``      values of other keys with which it goes
@@ -28,7 +29,19 @@ from clast.inputs.declaring.field_docs import PLAIN_NUMBER, UNIT
 
 Geometry = Literal["point", "polyline", "polygon"]
 Extent = Literal[
-    "radius", "width", "height", "size", "angle", "spacing", "vector", "length", "level", "station"
+    "radius",
+    "width",
+    "height",
+    "size",
+    "angle",
+    "spacing",
+    "vector",
+    "pressure",
+    "length",
+    "along",
+    "direction",
+    "level",
+    "station",
 ]
 MARK = "x-clast"
 """Key of the annotations in the JSON Schema."""

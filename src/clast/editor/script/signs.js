@@ -1,0 +1,57 @@
+/** Signs of the section that are no lines of the file: arrows, sides that are held, stress in the rock. */
+import { isPoints, plain } from "./handles.js";
+
+const [TEETH, LONG] = [9, 6];
+/** Distance and length of the hatching of a side that is held, pixels. */
+const AXIS = 45;
+/** Half of the longer axis of the ellipse of a stress, pixels. */
+
+export function drawArrow(pen, [x0, y0], [x1, y1], colour, width) {
+  const length = Math.hypot(x1 - x0, y1 - y0);
+  if (length < 1) return;
+  const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length], size = Math.min(10, 0.5 * length);
+  pen.lines([[x0, y0, x1, y1]], colour, width);
+  pen.areas([[x1, y1, x1 - size * ux - 0.4 * size * uy, y1 - size * uy + 0.4 * size * ux, x1 - size * ux + 0.4 * size * uy, y1 - size * uy - 0.4 * size * ux]], colour);
+}
+
+/** Hatch the sides of the domain that are held. */
+export function drawHeld(pen, { domain }, screen, colour) {
+  const points = [domain?.boundary, domain?.profile].find(isPoints), sides = domain?.fixed_sides;
+  if (!points || !Array.isArray(sides)) return;
+  const seen = points.map(screen), [xs, ys] = [0, 1].map((k) => seen.map((point) => point[k]));
+  const [left, right, top, low] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const ends = { left: [left, low, left, top], right: [right, top, right, low], bottom: [right, low, left, low], top: [left, top, right, top] };
+  for (const [x0, y0, x1, y1] of sides.flatMap((side) => (ends[side] ? [ends[side]] : []))) {
+    const count = Math.max(1, Math.round(Math.hypot(x1 - x0, y1 - y0) / TEETH)), [ux, uy] = [(x1 - x0) / count / TEETH, (y1 - y0) / count / TEETH];
+    // outwards, and slanted
+    pen.lines(Array.from({ length: count }, (_, k) => {
+      const [x, y] = [x0 + ((k + 0.5) * (x1 - x0)) / count, y0 + ((k + 0.5) * (y1 - y0)) / count];
+      return [x, y, x + LONG * (uy + 0.7 * ux), y + LONG * (0.7 * uy - ux)];
+    }), colour, 1);
+  }
+}
+
+/** Stress [xx, yy, xy] of [in_situ] at a height, Pa, tension positive; null where the case does not say it. */
+export function stressAt(content, y) {
+  const { in_situ: given, rock, gravity, domain } = content;
+  if (!given) return null;
+  const points = [domain?.boundary, domain?.profile].find(isPoints), datum = given.datum ?? (given.vertical ? points && Math.max(...points.map((point) => point[1])) : 0);
+  const depth = datum - y, of = (rock ?? {})[domain?.rock] ?? Object.values(rock ?? {})[0], weight = Math.abs(gravity?.[1] ?? 9.8) * of?.density;
+  if (Array.isArray(given.stress)) return given.stress.map((one, k) => one + depth * (given.gradient?.[k] ?? 0));
+  const vertical = -weight * depth;
+  return given.vertical && Number.isFinite(vertical * given.k0) ? [given.k0 * vertical, vertical, 0] : null;
+}
+
+/** Draw the ellipse of a stress about a point of the screen, with its principal values. */
+export function drawStress(pen, [x, y], [xx, yy, xy], { chosen, paper }) {
+  const mean = 0.5 * (xx + yy), turn = 0.5 * Math.atan2(2 * xy, xx - yy), half = Math.hypot(0.5 * (xx - yy), xy);
+  const [first, second] = [mean + half, mean - half], scale = AXIS / (Math.max(Math.abs(first), Math.abs(second)) || 1);
+  const at = (angle) => {
+    const [a, b] = [Math.abs(first) * scale * Math.cos(angle), Math.abs(second) * scale * Math.sin(angle)];
+    return [x + a * Math.cos(turn) - b * Math.sin(turn), y - a * Math.sin(turn) - b * Math.cos(turn)];
+  };
+  pen.lines([Array.from({ length: 65 }, (_, k) => at((k * Math.PI) / 32)).flat()], chosen, 1.5);
+  pen.lines([[...at(0), ...at(Math.PI)], [...at(Math.PI / 2), ...at(-Math.PI / 2)]], chosen, 1);
+  const mega = (one) => plain(Number((one / 1e6).toPrecision(3))).replace("-", "−");
+  pen.text(x + AXIS + 8, y - 8, `${mega(second)} and ${mega(first)} MPa`, chosen, paper);
+}
