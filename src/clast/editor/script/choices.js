@@ -49,14 +49,14 @@ function stepsOf(schema, node, keys) {
   const steps = keys.map((key) => {
     const one = node.properties[key], { geometry, refers_to: [named] = [] } = notesOf(one), sides = variants(schema, variants(schema, one)[0].items ?? {})[0];
     if (named === "opening") return { key, one, kind: "pick", named, words: "click an opening" };
-    if (EXTENTS[geometry]) return { key, one, kind: "extent", geometry, words: `${key.replaceAll("_", " ")}: click, or type a number` };
-    if (geometry === "point") return { key, one, kind: "point", words: `${key}: click, or type x, y` };
+    if (EXTENTS[geometry]) return { key, one, kind: "extent", geometry, words: `${key.replaceAll("_", " ")}: click or type a number` };
+    if (geometry === "point") return { key, one, kind: "point", words: `${key}: click or type x, y` };
     if (one.prefixItems) return { key, one, kind: "ends", words: `${key}: two points` };
     if (geometry) return { key, one, kind: "line", least: geometry === "polygon" ? 3 : 2, isClosed: geometry === "polygon", words: `${key}: click points; Enter ends` };
-    return { key, one, kind: "side", sides: sides.enum, words: "click beside a side: it is held, or free again" };
+    return { key, one, kind: "side", sides: sides.enum, words: "click beside a side: held, or free again" };
   });
   // beside an opening, two points are the ends of some of its sides
-  return steps.map((step, i) => (step.kind === "ends" && steps[i - 1]?.kind === "pick" ? { ...step, kind: "edges", words: "click the first and the last side, counter-clockwise; Enter takes all" } : step));
+  return steps.map((step, i) => (step.kind === "ends" && steps[i - 1]?.kind === "pick" ? { ...step, kind: "edges", words: "first and last side, counter-clockwise; Enter: all" } : step));
 }
 
 /**

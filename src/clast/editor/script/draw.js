@@ -2,7 +2,7 @@
 import { drawAxes } from "../../pictures/page/script/axes.js";
 import { baseOf, crossing, partOf, plain, pointText, shapesOf, shapeOf, sidesOf } from "./handles.js";
 import { digitsAt, gridStep, rounded, snapped, typed } from "./snaps.js";
-import { drawArrow, drawHeld, drawStress, stressAt } from "./signs.js";
+import { drawArrow, drawHeld, drawSlope, drawStress, stressAt } from "./signs.js";
 import { editsOf, roundedExtent, taken, toolsOf } from "./choices.js";
 
 const NEAR = 9;
@@ -10,7 +10,7 @@ const NEAR = 9;
 const [REACH, ARROW, FORCE] = [90, 70, 1e5];
 /** Length of the handle of a direction and of the longest arrow, pixels; force of an arrow where there is none, N. */
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const HELP = "Click chooses, dragging a handle moves it, a double click on a side adds a point, Delete takes it away, n goes to the next one, arrows move it.";
+const HELP = "Click chooses, handles are dragged; double click: a new point; Delete; n, arrows: by keys";
 const FIELD = "12.5, 8   @1, 2   @3<60";
 const key = (value) => JSON.stringify(value);
 let gestures = 0;
@@ -79,7 +79,7 @@ export class Tools {
 
   tell(words = "") {
     this.field.toggleAttribute("aria-invalid", Boolean(words));
-    this.hint.title = this.hint.textContent = words || (this.isDrawing ? `${this.taken().step?.words ?? ""}. Backspace takes a point back, Esc leaves.` : HELP);
+    this.hint.title = this.hint.textContent = words || (this.isDrawing ? `${this.taken().step?.words ?? ""} (Backspace: back, Esc: leave)` : HELP);
     this.section.changed();
   }
 
@@ -288,7 +288,7 @@ export class Tools {
     const { step: now, points } = this.taken();
     if (now.kind !== "edges" && points.length && click.at && key(points.at(-1)) === key(click.at)) return;
     this.clicks.push(click);
-    if (click.at) this.bring(click.at);
+    if (click.at && now.kind !== "extent") this.bring(click.at);
     const { values, step } = this.taken();
     if (!step) return this.finish(values);
     this.tell();
@@ -430,6 +430,7 @@ export class Tools {
     if (this.where !== this.viewKey) this.renew();
     if (this.grid.checked) this.drawGrid(pen);
     if (!run || section.showsFile) drawAxes(pen, { run: { scene: { origin } }, view, theme });
+    if (section.showsFile || !run) drawSlope(pen, this.state.content, (point) => section.screen(point), theme);
     drawHeld(pen, this.state.content, (point) => section.screen(point), theme.ink);
     const chosen = new Set(this.chosen);
     for (const shape of this.shapes) if (!chosen.has(shape)) this.drawShape(pen, shape, theme.ink, 1.2, Boolean(section.showsFile) || !run);

@@ -5,6 +5,8 @@ const [TEETH, LONG] = [9, 6];
 /** Distance and length of the hatching of a side that is held, pixels. */
 const AXIS = 45;
 /** Half of the longer axis of the ellipse of a stress, pixels. */
+const SURFACES = ["#8c6d46", "#4f8a3c", "#6b6b6b", "#2f7f8f", "#a0522d", "#7a5195"];
+/** Colours of the surfaces of a rockfall, by turns. */
 
 export function drawArrow(pen, [x0, y0], [x1, y1], colour, width) {
   const length = Math.hypot(x1 - x0, y1 - y0);
@@ -28,6 +30,25 @@ export function drawHeld(pen, { domain }, screen, colour) {
       const [x, y] = [x0 + ((k + 0.5) * (x1 - x0)) / count, y0 + ((k + 0.5) * (y1 - y0)) / count];
       return [x, y, x + LONG * (uy + 0.7 * ux), y + LONG * (0.7 * uy - ux)];
     }), colour, 1);
+  }
+}
+
+/** Draw the slope of a rockfall: each part of the profile in the colour of its surface, barriers as high as they are. */
+export function drawSlope(pen, { rockfall, surface, barrier = [] }, screen, { ink, paper }) {
+  const profile = rockfall?.profile, names = Object.keys(surface ?? {});
+  if (!isPoints(profile)) return;
+  const told = new Set(), of = [rockfall.surface ?? []].flat();
+  for (let k = 0; k + 1 < profile.length; k++) {
+    const name = of[k] ?? of[0], colour = SURFACES[names.indexOf(name) % SURFACES.length] ?? ink, ends = [...screen(profile[k]), ...screen(profile[k + 1])];
+    pen.lines([ends], colour, 4);
+    if (name && !told.has(name)) pen.text(0.5 * (ends[0] + ends[2]) + 8, 0.5 * (ends[1] + ends[3]) - 10, name, colour, paper);
+    told.add(name);
+  }
+  for (const { x, height, inclination = 0 } of Array.isArray(barrier) ? barrier : []) {
+    const k = profile.findIndex(([px], i) => i + 1 < profile.length && (px - x) * (profile[i + 1][0] - x) <= 0 && px !== profile[i + 1][0]);
+    if (k < 0 || !(height > 0)) continue;
+    const [[ax, ay], [bx, by]] = profile.slice(k, k + 2), y = ay + ((x - ax) * (by - ay)) / (bx - ax), turn = (inclination * Math.PI) / 180;
+    pen.lines([[...screen([x, y]), ...screen([x + height * Math.sin(turn), y + height * Math.cos(turn)])]], ink, 4);
   }
 }
 
