@@ -106,6 +106,7 @@ class Hand:
         """Give keys distributions, which are texts in place of numbers."""
         for key, value in values.items():
             row = self.page.locator(f".form [data-key$='.{key}']").first
+            row.wait_for()
             if not row.locator("select.form-of").count():
                 row.locator("> button[id]").click()
                 self.rest()
@@ -115,6 +116,7 @@ class Hand:
 
     def _fill(self, key, value):
         row = self.page.locator(f".form [data-key$='.{key}']").first
+        row.wait_for()
         whole = row.locator("> button[id]")
         if whole.count():
             whole.click()

@@ -457,7 +457,8 @@ export class Tools {
   drawShape(pen, { place, lines, dots, arrows }, colour, width, isWhole) {
     const { section } = this, of = (points) => points.flatMap((point) => section.screen(point));
     const path = ({ points, closed }) => of(closed ? [...points, points[0]] : points);
-    if (isWhole) pen.lines(lines.filter((line) => !line.isFaint).map(path), colour, width);
+    if (isWhole) pen.lines(lines.filter((line) => !line.isEndless).map(path), colour, width);
+    if (isWhole) pen.lines(lines.filter((line) => line.isEndless && !line.isFaint).map(path), colour, Math.min(width, 2), [8, 4]);
     if (isWhole && width > 2) pen.lines(lines.filter((line) => line.isFaint).map(path), colour, 1, [4, 4]);
     for (const [base, tip] of arrows) drawArrow(pen, section.screen(base), section.screen(tip), colour, Math.min(width, 2));
     for (const at of dots) {

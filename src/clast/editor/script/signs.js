@@ -1,5 +1,5 @@
 /** Signs of the section that are no lines of the file: arrows, sides that are held, stress in the rock. */
-import { isPoints, plain } from "./handles.js";
+import { isPoints, plain, sidesOf } from "./handles.js";
 
 const [TEETH, LONG] = [9, 6];
 /** Distance and length of the hatching of a side that is held, pixels. */
@@ -16,19 +16,21 @@ export function drawArrow(pen, [x0, y0], [x1, y1], colour, width) {
   pen.areas([[x1, y1, x1 - size * ux - 0.4 * size * uy, y1 - size * uy + 0.4 * size * ux, x1 - size * ux + 0.4 * size * uy, y1 - size * uy - 0.4 * size * ux]], colour);
 }
 
-/** Hatch the sides of the domain that are held. */
+/** Hatch the parts of the outline of the domain on sides that are held. */
 export function drawHeld(pen, { domain }, screen, colour) {
-  const points = [domain?.boundary, domain?.profile].find(isPoints), sides = domain?.fixed_sides;
-  if (!points || !Array.isArray(sides)) return;
-  const seen = points.map(screen), [xs, ys] = [0, 1].map((k) => seen.map((point) => point[k]));
-  const [left, right, top, low] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  const ends = { left: [left, low, left, top], right: [right, top, right, low], bottom: [right, low, left, low], top: [left, top, right, top] };
-  for (const [x0, y0, x1, y1] of sides.flatMap((side) => (ends[side] ? [ends[side]] : []))) {
-    const count = Math.max(1, Math.round(Math.hypot(x1 - x0, y1 - y0) / TEETH)), [ux, uy] = [(x1 - x0) / count / TEETH, (y1 - y0) / count / TEETH];
-    // outwards, and slanted
+  const points = domain?.boundary, held = domain?.fixed_sides;
+  if (!isPoints(points) || !Array.isArray(held)) return;
+  const [xs, ys] = [0, 1].map((k) => points.map((point) => point[k]));
+  const ends = { left: [0, Math.min(...xs)], right: [0, Math.max(...xs)], bottom: [1, Math.min(...ys)], top: [1, Math.max(...ys)] };
+  const isOn = (point) => held.some((side) => ends[side] && point[ends[side][0]] === ends[side][1]);
+  const middle = [0, 1].map((k) => 0.5 * (Math.min(...[xs, ys][k]) + Math.max(...[xs, ys][k]))), [mx, my] = screen(middle);
+  for (const [a, b] of sidesOf({ points, closed: true })) {
+    if (!isOn([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]) || (a[0] !== b[0] && a[1] !== b[1])) continue;
+    const [[x0, y0], [x1, y1]] = [screen(a), screen(b)], length = Math.hypot(x1 - x0, y1 - y0) || 1, count = Math.ceil(length / TEETH);
+    const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length], out = Math.sign((x0 - mx) * uy - (y0 - my) * ux) || 1;
     pen.lines(Array.from({ length: count }, (_, k) => {
       const [x, y] = [x0 + ((k + 0.5) * (x1 - x0)) / count, y0 + ((k + 0.5) * (y1 - y0)) / count];
-      return [x, y, x + LONG * (uy + 0.7 * ux), y + LONG * (0.7 * uy - ux)];
+      return [x, y, x + LONG * (out * uy + 0.7 * ux), y + LONG * (0.7 * uy - out * ux)];
     }), colour, 1);
   }
 }
