@@ -361,6 +361,7 @@ def test_loads_are_arrows_with_handles(drawing):
         assert y0 > y1 == pytest.approx(20.0) and x0 == pytest.approx(x1)
     (_, (x, y)) = arrows[3]
     half = 0.5 * (20.0 + y)
+    hand.page.uncheck(".tools .snap")
     hand.drag((x, y), (10.0, half))
     fx, fy = hand.content["point_load"][0]["force"]
     assert (fx, fy) == pytest.approx((0.0, -25e3), abs=3e3)
