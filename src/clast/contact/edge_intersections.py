@@ -21,6 +21,7 @@ import numpy as np
 from clast.block.edge_lists import edges_within, left_to_right
 from clast.block.polygon import ROUND_OFF, Polygons, depth_inside, gap_to
 from clast.compute.jit import kernel
+from clast.compute.parallel import borrowed
 from clast.compute.reductions import is_any
 from clast.contact.memory import lost_contacts, pair_keys
 from clast.model.model import Floats, Ints
@@ -308,20 +309,19 @@ def _couples(own, others, outlines):
 def _couples_within(window, i, j, listed, outlines):
     """Return couples of edges of blocks i and j within a window, (k, 2); all that may cross.
 
-    ``listed`` is room for the edges of either.
+    ``listed`` is room for the edges of either, and for few couples.
     """
     vertices, start, after = outlines.vertices, outlines.block_start, outlines.after
-    own, others = listed
+    own, others, few = listed
     own = own[: edges_within(window, 0.0, vertices, after, start[i], start[i + 1], own)]
     others = others[: edges_within(window, 0.0, vertices, after, start[j], start[j + 1], others)]
     if len(own) * len(others) > COUPLES_TRIED_MAX:
         return _couples(own, others, outlines)
-    couples = np.empty((len(own) * len(others), 2), np.int64)
     for x in range(len(own)):
         for y in range(len(others)):
-            couples[x * len(others) + y, 0] = own[x]
-            couples[x * len(others) + y, 1] = others[y]
-    return couples
+            few[x * len(others) + y, 0] = own[x]
+            few[x * len(others) + y, 1] = others[y]
+    return few[: len(own) * len(others)]
 
 
 @kernel()
@@ -359,13 +359,14 @@ def _of_pair(couples, span, contacts, limits, outlines, room, count):
     return count
 
 
-@kernel(inline="always")
-def _unseen_of_pairs(outlines, box, pairs, contacts, limits, carried, room):
-    """Write the crossings that no contact accounts for into ``room``; return their number."""
-    pair, (share, floor), most = contacts.pair, limits, 0
-    for b in range(len(outlines.block_start) - 1):
-        most = max(most, outlines.block_start[b + 1] - outlines.block_start[b])
-    listed = np.empty(most, np.int64), np.empty(most, np.int64)
+@kernel()
+def _unseen_of_pairs(outlines, box, pairs, contacts, limits, carried, listed, room):
+    """Write the crossings that no contact accounts for into ``room``; return their number.
+
+    ``listed`` is that of ``_couples_within``.
+    """
+    listed, room = borrowed(listed), borrowed(room)
+    pair, (share, floor) = contacts.pair, limits
     count, low = 0, 0
     for q in range(len(pairs)):
         while low < len(pair) and pair[low] < q:
@@ -398,7 +399,11 @@ def unseen(polygons, box, pairs, contacts, limits, carried):
     which a crossing counts, m; where the pair ``carried`` (q,) a force by a contact that has ended,
     any depth does.
     """
-    size, outlines, known = 64, Polygons(*polygons), EdgeContacts(*contacts)
+    size, outlines, known, most = 64, Polygons(*polygons), EdgeContacts(*contacts), 0
+    for b in range(len(outlines.block_start) - 1):
+        most = max(most, outlines.block_start[b + 1] - outlines.block_start[b])
+    few = np.empty((COUPLES_TRIED_MAX, 2), np.int64)
+    listed = np.empty(most, np.int64), np.empty(most, np.int64), few
     while True:
         room = Crossings(
             np.empty((size, 2), np.int64),
@@ -406,7 +411,7 @@ def unseen(polygons, box, pairs, contacts, limits, carried):
             np.empty(size),
             np.empty(size, np.int64),
         )
-        count = _unseen_of_pairs(outlines, box, pairs, known, limits, carried, room)
+        count = _unseen_of_pairs(outlines, box, pairs, known, limits, carried, listed, room)
         if count <= size:
             return room.edges[:count], room.exits[:count], room.depth[:count], room.pair[:count]
         size = count

@@ -114,7 +114,8 @@ def largest_settlements(gap, strain, fixed, box):
     shorter = 0.0
     for b in range(len(box)):
         size = (box[b, 2] - box[b, 0]) + (box[b, 3] - box[b, 1])
-        shorter = max(shorter, size * np.abs(strain[b]).sum())
+        strained = abs(strain[b, 0]) + abs(strain[b, 1]) + abs(strain[b, 2])
+        shorter = max(shorter, size * strained)
     most = np.zeros(len(box))
     for b in range(len(box)):
         if not fixed[b]:

@@ -32,7 +32,7 @@ from clast.compute.mat6 import (
     put_lines,
     unit_lines,
 )
-from clast.compute.parallel import BLOCKS, EACH, shared
+from clast.compute.parallel import BLOCKS, EACH, borrowed, shared
 from clast.compute.vec6 import UNKNOWNS, line, plus_scaled, put_line, put_row, row, zeros
 from clast.linear.block_matrix import transpose_times
 from clast.linear.pattern import FILL
@@ -101,6 +101,7 @@ def _eliminate(low, high, pattern, own, work):
     D_i = C_i C_i^T, and W_ij = C_i^-1 K_ij.  The blocks ``own`` of K take the place of pivots that
     are not positive definite; where there are none, (0, 6, 6), none does.
     """
+    pattern, work = borrowed(pattern), borrowed(work)
     order, _, _, right, _, _, _ = pattern
     diagonal, upper = work
     for i in range(low, high):
