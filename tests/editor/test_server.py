@@ -3,6 +3,7 @@
 import http.client
 import json
 import time
+import zlib
 
 import numpy as np
 import pytest
@@ -137,6 +138,11 @@ def test_the_page_has_the_name_of_the_file_and_runs_its_own_scripts(served):
     assert "connect-src 'self'" in text
     assert "<b>.toml" not in editor_text("<b>.toml")
     assert served.token not in text
+
+
+def test_the_page_is_small():
+    """As it lies in the wheel: compressed, with all libraries and the drawing of pages."""
+    assert len(zlib.compress(editor_text("a.toml").encode(), 6)) < 100_000
 
 
 def test_a_fault_has_its_place_and_line(served, tmp_path):

@@ -13,7 +13,8 @@ OF_PAGES = (
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
 SCRIPTS = (
-    "values hand form handles snaps choices signs draw underlay start text search run stages edit"
+    "values hand form handles snaps choices signs draw underlay start text search picture "
+    "run stages edit"
 ).split()
 """Modules of the page, each after those that it imports."""
 

@@ -5,6 +5,7 @@ import { RunPanel } from "./run.js";
 import { Strip } from "./stages.js";
 import { Section, marksOf } from "./section.js";
 import { Tools } from "./draw.js";
+import { offerPictures } from "./picture.js";
 import { offerSearch } from "./search.js";
 import { offerStarts } from "./start.js";
 import { TextPane } from "./text.js";
@@ -166,6 +167,7 @@ export async function main() {
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
   const under = new Underlays(section, { ask, picture, state, hand, goTo });
+  offerPictures(section, state);
   offerSearch($("search"), $("found"), { state, hand, choose, goTo });
   offerStarts($("start"), { state, hand, ask });
   globalThis.clastEditor = { state, hand, goTo, section, tools, under, pane, runs, strip };

@@ -2,7 +2,7 @@
 
 import { coloursOf } from "../../pictures/page/script/colouring.js";
 import { RunData } from "../../pictures/page/script/data.js";
-import { drawBlocks } from "../../pictures/page/script/draw_canvas.js";
+import { drawBlocks, outline } from "../../pictures/page/script/draw_canvas.js";
 import { LAYERS, drawChosen, drawScaleBar, layersOf } from "../../pictures/page/script/layers.js";
 import { fillLegend } from "../../pictures/page/script/legend.js";
 import { CanvasPen } from "../../pictures/page/script/pens.js";
@@ -13,11 +13,30 @@ const DARK = { paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", chosen: "#ff6
 const MARKS = { fault: "#d32f2f", warning: "#ef7d00", note: "#1f6fb4" };
 const NEAR = 9;
 /** How far from a mark a click still means it, pixels. */
-const SHOWN = ["bolts", "points", "excavated", "water", "surcharge", "links", "axes"];
+const SHOWN = ["bolts", "points", "excavated", "water", "surcharge", "links", "axes", "faults", "notes"];
 /** Layers that are on at first. */
+const OWN = { faults: "Marks of faults and warnings", notes: "Marks of notes", slivers: "Slivers" };
+/** Layers of the section alone. */
+const SHARP = 10, LONG = 20;
+/** Of a sliver: an angle below, degrees, or a length above so many times its width. */
 const STEP = 40;
 const EMPTY = [-2, -2, 38, 28];
 /** What a case without any place shows, m. */
+
+/** Edges of a block, its smallest angle, degrees, and whether it is a sliver. */
+export function shapeOf(run, block) {
+  const [first, past] = [run.blockStart[block], run.blockStart[block + 1]], count = past - first, at = (k) => [0, 1].map((i) => run.start[2 * (first + ((k + count) % count)) + i]);
+  let [angle, half] = [180, 0];
+  for (let k = 0; k < count; k++) {
+    const [[x, y], [a, b], [c, d]] = [at(k), at(k - 1), at(k + 1)], [ux, uy, vx, vy] = [a - x, b - y, c - x, d - y];
+    const turn = (Math.atan2(vx * uy - vy * ux, ux * vx + uy * vy) * 180) / Math.PI; // within the block, which runs counter-clockwise
+    angle = Math.min(angle, turn < 0 ? turn + 360 : turn);
+    half += 0.5 * Math.hypot(vx, vy);
+  }
+  // width of the rectangle that has its area and perimeter
+  const wide = 0.5 * (half - Math.sqrt(Math.max(0, half * half - 4 * run.area[block])));
+  return { edges: count, angle, isSliver: angle < SHARP || half - wide > LONG * wide };
+}
 
 const POINT = /\(-?[\d.e+-]+, -?[\d.e+-]+\)/;
 /** Coordinates in a message: its points are places by themselves, and no line. */
@@ -143,6 +162,18 @@ export class Section {
     this.changed();
   }
 
+  /** Show the table that is chosen, or the block. */
+  zoomToChosen() {
+    const { run, state: { chosen } } = this;
+    const local = this.lines.filter(({ place }) => this.place.length && this.place.every((part, k) => part === place[k])).flatMap(({ points }) => points).map((point) => this.local(point));
+    if (!local.length && chosen >= 0) for (let v = run.blockStart[chosen]; v < run.blockStart[chosen + 1]; v++) local.push([run.start[2 * v], run.start[2 * v + 1]]);
+    if (!local.length) return;
+    const [[left, right], [low, high]] = [0, 1].map((k) => [Math.min(...local.map((point) => point[k])), Math.max(...local.map((point) => point[k]))]);
+    const room = Math.max(right - left, high - low, 0.02 * this.view.wide);
+    this.view.fit(left - room / 4, low - room / 4, right + room / 4, high + room / 4);
+    this.changed();
+  }
+
   // --- hands ---------------------------------------------------------------------------------
 
   press(event) {
@@ -156,6 +187,7 @@ export class Section {
       ArrowRight: () => this.view.pan(-STEP, 0),
       ArrowUp: () => this.view.pan(0, STEP),
       ArrowDown: () => this.view.pan(0, -STEP),
+      z: () => this.zoomToChosen(),
       Escape: () => (this.state.chosen = -1),
     };
     if (!(event.key in moves)) return;
@@ -167,7 +199,7 @@ export class Section {
   click(x, y) {
     if (this.tools?.isDrawing && this.tools.click(x, y)) return;
     if (this.under?.take(x, y)) return;
-    const mark = this.marks.find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
+    const mark = this.marksShown().find(({ at }) => at.some((point) => Math.hypot(...this.screen(point).map((one, k) => one - [x, y][k])) < NEAR));
     if (mark) return this.asked(mark);
     if (this.tools?.click(x, y)) return;
     this.state.chosen = this.run ? this.run.blockAt(this.state.frame, this.view.worldX(x), this.view.worldY(y)) : -1;
@@ -181,25 +213,31 @@ export class Section {
     const digits = Math.max(0, Math.min(6, Math.ceil(Math.log10(this.view.scale))));
     const [east, up] = [this.view.worldX(x) + this.origin[0], this.view.worldY(y) + this.origin[1]].map((one) => one.toFixed(digits).replace("-", "−"));
     const { run, state: { chosen } } = this;
-    const block = chosen < 0 ? "" : `block ${run.scene.blocks[chosen]}, ${run.scene.rocks[run.scene.rock[chosen]]}, ${Number(run.area[chosen].toPrecision(4))} m²${run.fixed[chosen] ? ", fixed" : ""}; `;
+    const { edges, angle, isSliver } = chosen < 0 ? {} : shapeOf(run, chosen);
+    const block = chosen < 0 ? "" : `block ${run.scene.blocks[chosen]}, ${run.scene.rocks[run.scene.rock[chosen]]}, ${Number(run.area[chosen].toPrecision(4))} m², ${edges} edges, smallest angle ${angle.toFixed(1)}°${isSliver ? ", a sliver" : ""}${run.fixed[chosen] ? ", fixed" : ""}; `;
     this.root.querySelector(".place").textContent = `${block}x ${east} m, y ${up} m`;
   }
 
+  /** Whether a layer is on. */
+  isOn(name) { return this.wanted.get(name) ?? SHOWN.includes(name); }
+
+  marksShown() { return this.marks.filter(({ kind }) => this.isOn(kind === "note" ? "notes" : "faults")); }
+
   fillLayers() {
     const known = layersOf(this.run);
-    this.state.layers = new Set(known.filter((name) => this.wanted.get(name) ?? SHOWN.includes(name)));
+    this.state.layers = new Set(known.filter((name) => this.isOn(name)));
     const place = this.root.querySelector(".layers");
-    const names = known.filter((name) => !["before", "displacements", "velocities", "crosses"].includes(name));
+    const names = [...known.filter((name) => !["before", "displacements", "velocities", "crosses"].includes(name)), ...Object.keys(OWN)];
     place.replaceChildren(...names.map((name) => {
       const label = document.createElement("label");
       const box = document.createElement("input");
-      Object.assign(box, { type: "checkbox", value: name, checked: this.state.layers.has(name) });
+      Object.assign(box, { type: "checkbox", value: name, checked: this.isOn(name) });
       box.addEventListener("change", () => {
         this.wanted.set(name, box.checked);
-        this.state.layers[box.checked ? "add" : "delete"](name);
+        if (known.includes(name)) this.state.layers[box.checked ? "add" : "delete"](name);
         this.changed();
       });
-      label.append(box, ` ${LAYERS[name].label}`);
+      label.append(box, ` ${LAYERS[name]?.label ?? OWN[name]}`);
       return label;
     }));
   }
@@ -237,21 +275,39 @@ export class Section {
     });
   }
 
+  /** All that drawing asks for. */
+  seen() {
+    const { view, run, theme, state } = this;
+    return { run, view, theme, state, scale: null, frame: state.frame };
+  }
+
   draw() {
     const { view, run, theme, state } = this;
-    const seen = { run, view, theme, state, scale: null, frame: state.frame };
     // blocks are drawn again only where they or the view have changed
     const where = `${state.frame},${view.x},${view.y},${view.scale}`;
     if (this.kept !== where) {
       this.kept = where;
-      const pen = this.penOf(this.below, theme.paper);
-      if (run) drawBlocks(pen, run, view, state.frame, coloursOf(run, state)[0], theme);
-      if (run) fillLegend(this.root.querySelector(".entries"), seen);
+      this.drawBelow(this.penOf(this.below, theme.paper));
+      if (run) fillLegend(this.root.querySelector(".entries"), this.seen());
     }
     const pen = this.penOf(this.above);
+    this.drawAbove(pen);
+    if (this.origin) this.tools?.drawHand(pen);
+    this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
+  }
+
+  drawBelow(pen) {
+    const { view, run, theme, state } = this;
+    if (run) drawBlocks(pen, run, view, state.frame, coloursOf(run, state)[0], theme);
+  }
+
+  /** Draw what lies on the blocks. */
+  drawAbove(pen) {
+    const { run, theme, state } = this, seen = this.seen();
     if (this.origin) this.under?.draw(pen);
     if (run) {
       for (const name of layersOf(run)) if (state.layers.has(name)) LAYERS[name].draw(pen, seen);
+      if (this.isOn("slivers")) this.drawSlivers(pen);
       if (state.chosen >= 0) drawChosen(pen, seen);
       drawScaleBar(pen, seen);
     }
@@ -259,11 +315,18 @@ export class Section {
     const isChosen = ({ place }) => this.place.length && this.place.every((part, k) => part === place[k]);
     for (const line of this.showsFile && !this.tools ? this.lines : []) this.drawPoints(pen, line, theme.ink, 1.2);
     this.tools?.drawFile(pen);
-    for (const mark of [...this.marks].reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
+    for (const mark of this.marksShown().reverse()) this.drawMark(pen, mark, MARKS[mark.kind], mark === this.lit ? 4 : 2);
     pen.lines(this.moving.map((ends) => [...this.screen(ends.slice(0, 2)), ...this.screen(ends.slice(2))]), theme.chosen, 1.2);
     for (const line of this.tools ? [] : this.lines.filter(isChosen)) this.drawPoints(pen, line, theme.chosen, 3);
-    this.tools?.drawHand(pen);
-    this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
+  }
+
+  drawSlivers(pen) {
+    const { run, view, theme } = this;
+    const all = Array.from({ length: run.blockCount }, (_, block) => block).filter((block) => shapeOf(run, block).isSliver);
+    pen.lines(all.flatMap((block) => {
+      const path = outline(run, view, run.start, block);
+      return path ? [[...path, path[0], path[1]]] : [];
+    }), theme.chosen, 2.5);
   }
 
   penOf(canvas, paper = "") {
