@@ -216,36 +216,36 @@ export class Tools {
     this.section.view.moved();
     held.to = this.meant(x, y, held.own);
     if (held.isWaiting) return;
-    if (!handle.isMiddle) return this.move(handle, held.to);
+    if (!handle.isMiddle) return this.move(handle, held.to, held);
     // a middle that is dragged becomes a point first
     held.isWaiting = true;
     const point = { ...handle, isMiddle: false, of: (to) => [[handle.place, to]] };
     this.hand.edit([{ do: "insert", place: handle.place, toml: pointText(held.to.at) }], held.gesture).then((isDone) => {
       Object.assign(held, { handle: point, isWaiting: false });
-      if (isDone) { this.grip = nameOf(point); this.move(point, held.to); }
+      if (isDone) this.move(point, held.to, held); // which may have been let go meanwhile
     });
   }
 
   /** Send the values that a place of a handle means; numbers that have not changed keep their digits. */
-  move(handle, { at, snap }, way = "move") {
-    const { held, state: { content } } = this, edits = [], digits = this.seen.digits + (snap ? 3 : 0);
+  move(handle, { at, snap }, { gesture, touched }) {
+    const { state: { content } } = this, edits = [], digits = this.seen.digits + (snap ? 3 : 0);
     for (const [place, value, extent] of handle.of(at)) {
       const next = extent ? roundedExtent(extent, value, digits) : handle.isWhole ? value.map((x) => rounded(x, digits)) : value, now = place.reduce((inner, part) => inner?.[part], content);
       const parts = Array.isArray(next) ? next.map((one, k) => [[...place, k], one, now?.[k]]) : [[place, next, now]];
       for (const [where, one, before] of parts) {
-        if (one === before && !held?.touched.has(key(where))) continue;
-        held?.touched.add(key(where));
+        if (one === before && !touched.has(key(where))) continue;
+        touched.add(key(where));
         edits.push({ do: "set", place: where, toml: plain(one) });
       }
     }
     this.grip = nameOf(handle);
-    if (edits.length) this.hand[way](edits, held?.gesture ?? this.nudging);
+    if (edits.length) this.hand.move(edits, gesture);
   }
 
   drop() {
     if (!this.held) return;
     const { handle } = this.held;
-    if (!handle.isMiddle) this.grip = nameOf(handle);
+    this.grip = nameOf({ ...handle, what: handle.isMiddle ? "" : handle.what });
     this.nudging = `draw ${++gestures}`;
     this.held = this.pointer = null;
     this.tellGrip();
@@ -402,7 +402,7 @@ export class Tools {
 
   nudge(handle, [dx, dy]) {
     const step = gridStep(this.section.view.scale);
-    this.move(handle, { at: handle.at.map((x, k) => rounded(x + step * [dx, dy][k], 10)), snap: "grid" });
+    this.move(handle, { at: handle.at.map((x, k) => rounded(x + step * [dx, dy][k], 10)), snap: "grid" }, { gesture: this.nudging, touched: new Set() });
   }
 
   nudgeLast([dx, dy]) {
