@@ -7,8 +7,11 @@ import pytest
 
 from clast.case.case_file import Case, json_schema
 from clast.errors import CaseError
+from clast.inputs.declaring.alternatives import class_at
 from clast.inputs.declaring.annotations import MARK, without_null
 from clast.inputs.declaring.field_docs import UNITS
+from clast.inputs.declaring.table import Table
+from clast.inputs.joint_sets import MODELS, JointSetTable
 
 FREE = {"name", "title", "file", "layer", "layers", "unit", "select", "set", "source", "baseline"}
 """Last words of keys whose text is no name of a table."""
@@ -76,7 +79,43 @@ def test_geometry_and_conditions_are_those_of_the_declarations():
     assert "geometry" not in tables["Reference"]["properties"]["displacement"][MARK]
     assert tables["Water"][MARK] == {"one_of": [["level", "line"]]}
     assert tables["Rock"]["properties"]["young"][MARK]["level"] == "basic"
-    assert tables["Joint"]["properties"]["jrc"][MARK]["level"] == "more"
+    jrc = tables["Joint"]["properties"]["jrc"][MARK]
+    assert jrc["when"] == {"law": ["barton-bandis"], "hydraulic_law": ["barton"]}
+    assert (jrc["level"], jrc["typical"]) == ("basic", [1.0, 20.0])
+    assert tables["DomainTable"]["properties"]["depth"][MARK]["when"] == {"profile": ["*"]}
+    assert tables["DomainTable"]["properties"]["tolerance"][MARK]["level"] == "rare"
+
+
+def test_conditions_name_keys_and_values_that_there_are():
+    count = 0
+    for table in json_schema()["$defs"].values():
+        keys = table.get("properties", {})
+        for one in keys.values():
+            for by, values in one.get(MARK, {}).get("when", {}).items():
+                count += 1
+                choices = str(keys[by])
+                assert set(values) == {"*"} or all(f"'{value}'" in choices for value in values)
+        assert {key for keys in table.get(MARK, {}).get("one_of", ()) for key in keys} <= set(keys)
+    declared = [one for one in every_table(Table) if one.__module__.startswith("clast.inputs")]
+    for table in declared:
+        said = {*table.BASIC, *table.RARE, *table.TYPICAL, *table.WHEN}
+        said |= {key for of in table.WHEN.values() for keys in of.values() for key in keys}
+        assert said <= set(table.model_fields), table
+    assert count > 60
+
+
+def every_table(table):
+    """Give all tables that are declared."""
+    for one in table.__subclasses__():
+        yield one
+        yield from every_table(one)
+
+
+def test_a_set_goes_with_the_keys_that_its_model_takes():
+    for name, keys in JointSetTable.WHEN["model"].items():
+        takes = class_at(MODELS[name]).takes
+        direction = {"dip_direction", "spacing_is"} if "dip" in takes else set()
+        assert {*keys, *direction, "spacing"} == takes
 
 
 @pytest.mark.parametrize("keys", [(), ("level", "line")])

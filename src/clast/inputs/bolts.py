@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import Extends, RefersTo
+from clast.inputs.declaring.annotations import ANY, Extends, RefersTo
 from clast.inputs.declaring.table import OR_TEXT, Length, Loop, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.loads import check_length
@@ -52,6 +52,10 @@ class BoltKind(Table):
     """Force at installation, N per metre of thickness; N of one bolt with out_of_plane_spacing."""
     compression: StrictBool = False
     """True for bars, which carry compression; cables carry none."""
+
+    INSTEAD: ClassVar = (("stiffness", "young"), ("rupture_elongation", "rupture_strain"))
+    WHEN: ClassVar = {"young": {ANY: AXIAL[1:]}}
+    BASIC: ClassVar = (*AXIAL, "yield_force", "pretension")
 
     @model_validator(mode="after")
     def _has_one_stiffness(self) -> Self:
@@ -120,6 +124,9 @@ class Anchorage(Table):
     """
     stage: StrictStr | None = None
     """Stage that installs it; it exists from the start if absent."""
+
+    WHEN: ClassVar = {"anchorage": {"grouted": ("free_length",)}}
+    BASIC: ClassVar = ("anchorage", "free_length", "stage")
 
     @model_validator(mode="after")
     def _has_a_free_length(self) -> Self:

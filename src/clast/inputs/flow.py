@@ -57,6 +57,13 @@ class FlowTable(ByKeys):
     confined: StrictBool = False
     """True: all joints are full, and pressures may be negative; so it is without gravity."""
 
+    WHEN: ClassVar = {
+        "state": {"transient": ("initial", "bulk_modulus"), "hydrostatic": ("level",)},
+        "initial": {"hydrostatic": ("level",)},
+        "coupling": {"full": ("passes",)},
+    }
+    BASIC: ClassVar = ("state", "coupling", "level")
+
     @model_validator(mode="after")
     def _can_be(self) -> Self:
         check_density(self.density)

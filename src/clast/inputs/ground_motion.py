@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import ANY
 from clast.inputs.declaring.table import OR_TABLE, Acceleration, Instant, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.records.columns import check_sizes, doubted_times, read_record
@@ -125,6 +126,13 @@ class GroundMotionTable(Table):
     after: Literal["hold", "stop"] = "hold"
     """After the last instant the ground keeps its velocity, "hold", or comes to rest within 1 s,
     "stop"."""
+
+    INSTEAD: ClassVar = (("file", "time"),)
+    WHEN: ClassVar = {
+        "file": {ANY: OF_FILES},
+        "time": {ANY: ("acceleration",)},
+    }
+    BASIC: ClassVar = ("acceleration",)
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:

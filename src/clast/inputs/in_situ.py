@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import Extends
+from clast.inputs.declaring.annotations import ANY, Extends
 from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
 from clast.inputs.declaring.validation_messages import refusal
@@ -49,6 +49,9 @@ class InSituTable(Table):
     """Sides of the box around all blocks that are loaded; all edges on the convex hull if empty."""
 
     ONE_OF: ClassVar = {'give stress, or vertical = "overburden" with k0': ("stress", "vertical")}
+    WHEN: ClassVar = {"stress": {ANY: ("gradient",)}, "vertical": {"overburden": ("k0",)}}
+    BASIC: ClassVar = ("gradient", "k0", "datum")
+    TYPICAL: ClassVar = {"k0": (0.3, 3.0)}
 
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, StrictStr, model_validator
 
 from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
-from clast.inputs.declaring.annotations import Extends, RefersTo
+from clast.inputs.declaring.annotations import ANY, Extends, RefersTo
 from clast.inputs.declaring.table import OR_TABLE, OR_TEXT, Loop, Point, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.rock_mass import Seed, check_keys
@@ -38,6 +38,10 @@ DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
 """Distribution -> its numbers; its class has its name."""
 
 
+ORIENTED = ("angle", "dip", "angle_spread")
+"""Keys of the sets that have a direction."""
+
+
 class SpreadTable(Table):
     """A distribution of spacings or lengths: all values are above 0."""
 
@@ -57,6 +61,7 @@ class SpreadTable(Table):
     """Values in their order, m."""
 
     WHEN: ClassVar = {"distribution": DISTRIBUTIONS}
+    BASIC: ClassVar = ("mean", "sd", "low", "high", "values")
 
     @model_validator(mode="after")
     def _has_its_numbers(self) -> Self:
@@ -125,6 +130,38 @@ class JointSetTable(Table):
     """Concentration of directions in space (Fisher), -; in place of angle_spread, with dip."""
     seed: Seed | None = None
     """Its own seed; from the domain's seed and the number of the set if absent."""
+
+    INSTEAD: ClassVar = (
+        ("angle", "dip"),
+        ("spacing", "intensity"),
+        ("angle_spread", "fisher_kappa"),
+    )
+    WHEN: ClassVar = {
+        "model": {
+            "parallel": (*ORIENTED, "trace_length", "bridge_length", "origin", "stagger"),
+            "cross-jointed": (
+                *(*ORIENTED, "trace_length", "bridge_length", "origin", "stagger"),
+                "terminates_at",
+            ),
+            "baecher": (*ORIENTED, "intensity", "trace_length"),
+            "veneziano": (*ORIENTED, "intensity", "trace_length", "bridge_length"),
+            "poisson-lines": (*ORIENTED, "intensity"),
+            "voronoi": (),
+        },
+        "dip": {ANY: ("dip_direction", "spacing_is", "fisher_kappa")},
+    }
+    BASIC: ClassVar = ("model", "joint", "dip_direction", "spacing_is", "trace_length")
+    RARE: ClassVar = ("stagger",)
+    TYPICAL: ClassVar = {
+        "angle": (-90.0, 90.0),
+        "dip": (0.0, 90.0),
+        "dip_direction": (0.0, 360.0),
+        "spacing": (0.2, 5.0),
+        "intensity": (0.1, 5.0),
+        "trace_length": (0.5, 20.0),
+        "bridge_length": (0.0, 5.0),
+        "fisher_kappa": (20.0, 1000.0),
+    }
 
     @model_validator(mode="after")
     def _has_one_scatter(self) -> Self:

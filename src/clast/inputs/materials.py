@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.errors import Fault, ModelError
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import ANY, RefersTo
 from clast.inputs.declaring.table import Fraction, Length, Positive, Strength, Stresses, Table
 from clast.inputs.declaring.validation_messages import refusal, refusals
 from clast.inputs.declaring.values import number_of
@@ -21,6 +21,20 @@ from clast.model.model import Ints
 from clast.model.stages import contradiction
 
 BlockName = Annotated[StrictStr, RefersTo("block")]
+
+
+OF_COULOMB = {
+    "friction_angle": "friction follows from jrc, jcs and residual_friction_angle",
+    "cohesion": "what looks like cohesion is the curved strength of the roughness",
+    "tensile_strength": "a rough joint carries no tension",
+    "residual_cohesion": "sliding leaves residual_friction_angle",
+    "slip_weakening": "sliding wears the roughness off as jrc and the length say",
+    "kinetic_friction_angle": "its friction does not depend on the speed",
+    "critical_speed": "its friction does not depend on the speed",
+    "dilation_angle": "it opens by half of the mobilised roughness angle",
+    "dilation_until": "it opens until its roughness is worn off",
+}
+"""Keys that a rough joint has no use for, and why."""
 
 
 class Rock(Table):
@@ -110,6 +124,34 @@ class Joint(Table):
     allow_small_friction_angle: StrictBool = False
     """True if a friction angle below 1.6 really is in degrees, not in radians."""
 
+    WHEN: ClassVar = {
+        "law": {
+            "coulomb": (*OF_COULOMB, "aperture"),
+            "barton-bandis": (
+                *("jrc", "jcs", "sample_length", "field_length", "initial_aperture"),
+                *("strength_reduction", "residual_aperture", "maximum_aperture", "hydraulic_law"),
+            ),
+        },
+        "aperture": {ANY: ("residual_aperture", "maximum_aperture", "hydraulic_law")},
+        "hydraulic_law": {
+            "cubic": ("flow_factor",),
+            "barton": ("jrc",),
+            "louis": ("relative_roughness",),
+        },
+    }
+    BASIC: ClassVar = ("friction_angle", "cohesion", "tensile_strength", "law", "jrc", "jcs")
+    RARE: ClassVar = (
+        *("critical_speed", "dilation_until", "sample_length", "strength_reduction"),
+        *("residual_aperture", "maximum_aperture", "flow_factor", "allow_small_friction_angle"),
+    )
+    TYPICAL: ClassVar = {
+        **dict.fromkeys(("friction_angle", "residual_friction_angle"), (0.0, 60.0)),
+        "dilation_angle": (0.0, 15.0),
+        "jrc": (1.0, 20.0),
+        "jcs": (10e6, 200e6),
+        "aperture": (5e-5, 1e-3),
+    }
+
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
         faults = (*_faults_of_law(self), *_faults_of_flow(self))
@@ -190,18 +232,6 @@ NEEDED = {
     "residual_friction_angle": "give the friction angle that is left without roughness, degrees",
 }
 """Needs of a rough joint, and the remedy where one is missing."""
-OF_COULOMB = {
-    "friction_angle": "friction follows from jrc, jcs and residual_friction_angle",
-    "cohesion": "what looks like cohesion is the curved strength of the roughness",
-    "tensile_strength": "a rough joint carries no tension",
-    "residual_cohesion": "sliding leaves residual_friction_angle",
-    "slip_weakening": "sliding wears the roughness off as jrc and the length say",
-    "kinetic_friction_angle": "its friction does not depend on the speed",
-    "critical_speed": "its friction does not depend on the speed",
-    "dilation_angle": "it opens by half of the mobilised roughness angle",
-    "dilation_until": "it opens until its roughness is worn off",
-}
-"""Keys that a rough joint has no use for, and why."""
 SAMPLE_LENGTH = 0.1
 """Length of a sample, m (Barton & Choubey 1977)."""
 FRICTION_ANGLE_MAX = 70.0

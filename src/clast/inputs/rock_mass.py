@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 from clast import spelling
 from clast.errors import Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import Extends, RefersTo
+from clast.inputs.declaring.annotations import ANY, Extends, RefersTo
 from clast.inputs.declaring.table import (
     OR_TABLE,
     Inputs,
@@ -103,6 +103,9 @@ class DomainTable(Table):
             "profile",
         )
     }
+    WHEN: ClassVar = {"profile": {ANY: ("depth", "sides")}}
+    BASIC: ClassVar = ("depth", "rock", "fixed_sides")
+    RARE: ClassVar = ("tolerance", "smallest_edge", "smallest_block", "most_blocks")
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
@@ -132,6 +135,9 @@ class TraceTable(Table):
     """Joint along them: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
     set: StrictStr = "traces"
     """Set that they are counted with, and at which cross-jointed sets may end."""
+
+    INSTEAD: ClassVar = (("points", "file"),)
+    WHEN: ClassVar = {"file": {ANY: ("layer", "unit", "select")}}
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
@@ -198,9 +204,14 @@ class OpeningTable(Table):
     construction_joint: StrictBool = True
     """True: while it is rock its outline is cut and welded; false: it is not cut."""
 
+    INSTEAD: ClassVar = (("shape", "file", "blocks"),)
     WHEN: ClassVar = {
-        "shape": {name: (*needed, *allowed) for name, (_, needed, allowed) in SHAPES.items()}
+        "shape": {name: (*needed, *allowed) for name, (_, needed, allowed) in SHAPES.items()},
+        "file": {ANY: ("layer", "unit")},
+        "blocks": {ANY: ("weld",)},
     }
+    BASIC: ClassVar = tuple(key for _, needed, _ in SHAPES.values() for key in needed)
+    RARE: ClassVar = ("chords", "construction_joint")
 
     @model_validator(mode="after")
     def _is_one_shape(self) -> Self:

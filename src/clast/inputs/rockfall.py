@@ -15,7 +15,7 @@ from pydantic import AfterValidator, Field, StrictInt, StrictStr, model_validato
 
 from clast.errors import CaseError, Fault, ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import Extends
+from clast.inputs.declaring.annotations import ANY, Extends
 from clast.inputs.declaring.builder_methods import ByKeys
 from clast.inputs.declaring.table import (
     OR_TEXT,
@@ -326,6 +326,8 @@ class SourceTable(Table):
             "file",
         )
     }
+    WHEN: ClassVar = {"file": {ANY: ("faster_than",)}}
+    BASIC: ClassVar = ("rocks", "volume")
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import fields
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
 
 from clast.errors import CaseError, shortened
 from clast.inputs.declaring.alternatives import Number, default_of, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import ANY, RefersTo
 from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import (
     OR_TABLE,
@@ -51,6 +51,8 @@ class StrengthTable(Table):
     """Angle at which the joint opens from then on, degrees."""
     strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """Factor that the tangent of the friction angle of a rough joint is divided by."""
+
+    TYPICAL: ClassVar = {"friction_angle": (0.0, 60.0)}
 
     @model_validator(mode="after")
     def _changes_something(self) -> Self:
@@ -118,6 +120,13 @@ class StageTable(Table):
     """Boundaries of the flow from its start on: {lake = {head = 40}}."""
     ground_motion: StrictBool = False
     """True: [ground_motion] acts in this stage; its record begins with the stage."""
+
+    WHEN: ClassVar = {
+        "until": {"equilibrium": ("force_ratio", "speed", "hold")},
+        "excavate": {ANY: ("relax", "relax_time")},
+    }
+    BASIC: ClassVar = ("until", "time", "excavate", "install", "loads")
+    RARE: ClassVar = ("force_ratio", "speed", "hold", "jacks", "bonds")
 
     @model_validator(mode="after")
     def _releases_what_it_excavates(self) -> Self:

@@ -119,7 +119,7 @@ def test_tables_are_added_and_removed(window):
     page, file = window("slope")
     page.select_option(".add-table", "measured_point")
     until(page, "clastEditor.state.content.measured_point.length === 2")
-    assert page.text_content("nav [aria-current]").strip().startswith("2")
+    until(page, "document.querySelector('nav [aria-current]').textContent.trim().startsWith('2')")
     field(page, "MeasuredPoint.name").fill("toe")
     until(page, 'clastEditor.state.content.measured_point[1].name === "toe"')
     page.click(".form >> text=remove")
@@ -164,6 +164,116 @@ def test_a_text_with_faults_is_saved_on_the_users_word(window):
     assert page.is_hidden("#write")
 
 
+def content(page, *place):
+    return page.evaluate(
+        "(place) => place.reduce((one, part) => one?.[part], clastEditor.state.content)",
+        list(place),
+    )
+
+
+def row(page, key):
+    return page.locator(f'.form [data-key="{key}"]')
+
+
+def settled(page):
+    page.wait_for_timeout(50)
+    until(page, "!clastEditor.hand.isBusy && !clastEditor.hand.waiting.length")
+
+
+def test_a_key_in_place_of_another_brings_those_that_go_with_it(window):
+    page, file = window("slope")
+    table(page, "joint_set", 0)
+    turn = row(page, "JointSetTable.angle").locator("select.instead")
+    turn.select_option("dip")
+    until(page, "clastEditor.state.content.joint_set[0].dip !== undefined")
+    settled(page)
+    one = content(page, "joint_set", 0)
+    assert "angle" not in one
+    assert {"dip", "dip_direction", "spacing_is"} <= one.keys()
+    row(page, "JointSetTable.dip").locator("select.instead").select_option("angle")
+    until(page, "clastEditor.state.content.joint_set[0].angle !== undefined")
+    assert not {"dip", "dip_direction", "spacing_is"} & content(page, "joint_set", 0).keys()
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    saved(page, file, TEMPLATES["slope"])
+
+
+def test_a_law_or_a_shape_brings_its_keys_and_takes_others_away(window):
+    page, file = window("lined-tunnel")
+    name = page.evaluate("Object.keys(clastEditor.state.content.joint)[0]")
+    table(page, "joint", name)
+    row(page, "Joint.law").locator("select").select_option(label="barton-bandis")
+    until(page, "Object.values(clastEditor.state.content.joint)[0].jrc > 1")
+    assert not {"friction_angle", "cohesion"} & content(page, "joint", name).keys()
+    assert row(page, "Joint.friction_angle").count() == 0
+    table(page, "opening", 0)
+    shape = content(page, "opening", 0, "shape")
+    other = {"circle": "box"}.get(shape, "circle")
+    row(page, "OpeningTable.shape").locator("select").last.select_option(label=other)
+    until(page, f"clastEditor.state.content.opening[0].shape === '{other}'")
+    settled(page)
+    keys = {"circle": {"center", "radius"}, "box": {"corner", "size"}}[other]
+    given = content(page, "opening", 0).keys()
+    assert keys <= given
+    assert not {"center", "radius", "width", "wall_height", "corner", "size"} - keys & given
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    saved(page, file, TEMPLATES["lined-tunnel"])
+
+
+def test_an_entry_is_moved_and_duplicated(window):
+    page, file = window("slope")
+    table(page, "joint_set", 1)
+    names = [one["name"] for one in content(page, "joint_set")]
+    page.click(".form button >> text=/^up$/")
+    until(page, f"clastEditor.state.content.joint_set[0].name === '{names[1]}'")
+    current = "document.querySelector('nav [aria-current]').textContent.trim()"
+    until(page, f"{current} === '{names[1]}'")
+    page.click(".form button >> text=/^down$/")
+    until(page, f"clastEditor.state.content.joint_set[0].name === '{names[0]}'")
+    saved(page, file, TEMPLATES["slope"])
+    page.click(".form button >> text=/^duplicate$/")
+    until(page, f"clastEditor.state.content.joint_set.length === {len(names) + 1}")
+    assert content(page, "joint_set", 2) == content(page, "joint_set", 1)
+
+
+def test_what_others_name_is_removed_as_somebody_chooses(window):
+    page, file = window("slope")
+    old = TEMPLATES["slope"]
+    table(page, "joint", "bedding")
+    page.click(".form >> text=remove")
+    asked = page.locator(".form .asked")
+    assert "joint_set 1 joint" in asked.inner_text()
+    page.click("text=keep it")
+    assert asked.count() == 0
+    for choice in ("remove these values too", "remove it all the same", None):
+        table(page, "joint", "bedding")
+        page.click(".form button >> text=/^remove$/")
+        if choice:
+            page.click(f"text={choice}")
+        else:
+            page.select_option("select[aria-label='Name another']", "default")
+        until(page, "!('bedding' in clastEditor.state.content.joint)")
+        named = content(page, "joint_set", 0, "joint")
+        assert named == {"remove it all the same": "bedding", None: "default"}.get(choice)
+        page.keyboard.press("Control+z")
+        saved(page, file, old)
+    table(page, "measured_point", 0)
+    page.click(".form >> text=remove")
+    until(page, "!clastEditor.state.content.measured_point?.length")
+
+
+def test_a_key_of_other_words_is_renamed_on_request_only(window):
+    page, file = window("slope")
+    wrong = TEMPLATES["slope"].replace("friction_angle = 38.0", "jfric = 38.0")
+    file.write_text(wrong, "utf-8")
+    until(page, "clastEditor.state.faults.length > 0")
+    table(page, "joint", "bedding")
+    page.click("text=rename to friction_angle")
+    until(page, "clastEditor.state.content.joint.bedding.friction_angle === 38")
+    saved(page, file, TEMPLATES["slope"])
+
+
 def properties(schema):
     """Return every key of every table of the schema, as rows name them."""
     found, met = set(), set()
@@ -201,7 +311,8 @@ REACH = """async () => {
     for (const name of all(".form .row .new-name"))
       yield [`${name.closest(".row").parentElement.closest(".row").dataset.key} name`,
         () => set(name, "new")];
-    for (const select of all(".form select.form-of")) for (const { value } of select.options)
+    const selects = [...all(".form .form-of:not(.instead)"), ...all(".form .form-of.instead")];
+    for (const select of selects) for (const { value } of select.options)
       yield [`${select.closest(".row").dataset.key} ${value}`, () => set(select, value)];
   };
   const next = () => [...ways()].find(([name]) => !tried.has(name));
@@ -215,7 +326,7 @@ REACH = """async () => {
       look();
     }
   };
-  set(document.querySelector(".level select"), "more");
+  set(document.querySelector(".level select"), "rare");
   for (const name of all("nav [data-table]").map((one) => one.dataset.table)) {
     document.querySelector(`nav [data-table=${CSS.escape(name)}]`)?.click();
     await explore();

@@ -38,8 +38,10 @@ function choicesOf(schema, text) {
   const choice = (chosen, fixed, label) => ({ table, kind: tablesOf(schema, one), node, fixed, label, steps: stepsOf(schema, node, chosen) });
   if (keys.length) return [choice(keys, {}, keys.length > 1 && !keys.includes("part") ? words : `${words}: ${keys[0].replaceAll("_", " ")}`)];
   const drawn = drawnKeys(node).map(([name]) => name), note = (name) => notesOf(node.properties[name]);
-  const [by] = drawn.flatMap((name) => Object.keys(note(name).when ?? {}));
-  if (by) return variants(schema, node.properties[by])[0].enum.map((value) => choice(drawn.filter((name) => note(name).when?.[by].includes(value)), { [by]: value }, `${words}: ${value}`));
+  // a key such as shape, which chooses among several that are drawn
+  const bys = drawn.flatMap((name) => Object.keys(note(name).when ?? {}));
+  const by = bys.find((one, i) => bys.indexOf(one) !== i && kindOf(variants(schema, node.properties[one])[0]) === "choice");
+  if (by) return variants(schema, node.properties[by])[0].enum.map((value) => choice(drawn.filter((name) => note(name).when?.[by]?.includes(value)), { [by]: value }, `${words}: ${value}`));
   const needed = drawn.filter((name) => node.required?.includes(name)), either = (notesOf(node).one_of ?? []).flat().filter((name) => drawn.includes(name));
   if (either.length) return either.map((name) => choice([name, ...needed], {}, either.length > 1 ? `${words}: ${name.replaceAll("_", " ")}` : words));
   return [choice(needed.length ? needed : drawn, {}, words)];

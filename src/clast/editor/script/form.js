@@ -5,7 +5,7 @@ const { html, render, useState, useRef } = htmPreact;
 const key = (place) => JSON.stringify(place);
 const startsWith = (place, above) => above.every((part, i) => place[i] === part);
 const at = (content, place) => place.reduce((inner, part) => inner?.[part], content);
-const LEVELS = ["basic", "more"];
+const LEVELS = ["basic", "more", "rare"];
 let gestures = 0;
 
 /**
@@ -32,7 +32,7 @@ function Forms({ ctx }) {
     <nav aria-label="Tables of the case"><${Tree} ctx=${inner} chosen=${place} /></nav>
     <section class="form" aria-label="Values">
       <label class="level">Keys shown <select value=${level} onChange=${(e) => setLevel(e.target.value)}>
-        ${LEVELS.map((one) => html`<option value=${one}>${one}</option>`)}</select></label>
+        ${LEVELS.map((one) => html`<option value=${one}>${one === "rare" ? "all" : one}</option>`)}</select></label>
       <${Chosen} ctx=${inner} place=${place} key=${key(place)} />
     </section></div>`;
 }
@@ -102,7 +102,11 @@ function Chosen({ ctx, place }) {
   const kind = one && tablesOf(ctx.schema, one);
   const inner = kind === "list" && entry !== undefined ? variants(ctx.schema, one).find((form) => kindOf(form) === "list").items
     : kind === "named" && entry !== undefined ? variants(ctx.schema, one).find((form) => kindOf(form) === "map").additionalProperties : one;
-  const remove = () => ctx.hand.edit([{ do: "remove", place }]).then(() => ctx.choose([]));
+  const name = typeof entry === "number" ? value?.name : entry, [isAsked, ask] = useState(false);
+  const named = isAsked ? referring(ctx, top, name).filter((where) => !startsWith(where, place)) : [];
+  const remove = (edits = []) => ctx.hand.edit([...edits, { do: "remove", place }]).then(() => ctx.choose([]));
+  const askFirst = () => (name !== undefined && referring(ctx, top, name).some((where) => !startsWith(where, place)) ? ask(true) : remove());
+  const move = (to) => ctx.hand.edit([{ do: "swap", place: [top, Math.min(entry, to)] }]).then((done) => done && ctx.choose([top, to]));
   const copy = () => {
     const twin = typeof entry === "number" ? [top, entry + 1] : [top, freeName(ctx.content[top], entry)];
     ctx.hand.edit([{ do: typeof entry === "number" ? "insert" : "set", place: twin, toml: toml(value) }]).then(() => ctx.choose(twin));
@@ -114,29 +118,51 @@ function Chosen({ ctx, place }) {
       ${kind === "named" && entry !== undefined && html`<label>name <${Name} ctx=${ctx} place=${place} /></label>`}
       ${isGroup && html`<button onClick=${() => addTable(ctx, top, one, kind)}>add</button>`}
       ${entry !== undefined && html`<button onClick=${copy}>duplicate</button>`}
-      <button onClick=${remove}>remove</button></p>
+      ${entry > 0 && html`<button onClick=${() => move(entry - 1)}>up</button>`}
+      ${entry < ctx.content[top].length - 1 && html`<button onClick=${() => move(entry + 1)}>down</button>`}
+      <button onClick=${askFirst}>remove</button></p>
+    ${isAsked && html`<${Removal} ctx=${ctx} table=${top} name=${name} named=${named} remove=${remove} keep=${() => ask(false)} />`}
     <${Faults} ctx=${ctx} place=${place} />
     ${!isGroup && html`<${Value} ctx=${ctx} place=${place} one=${inner ?? {}} value=${value} isOpen=${true} />`}`;
 }
 
+/** Places of the values that name a table, or an entry of a list of tables. */
+function referring(ctx, table, name) {
+  const found = new Map();
+  const look = (one, value, where) => variants(ctx.schema, one).forEach((node) => {
+    if ([node["x-clast"]?.refers_to ?? one["x-clast"]?.refers_to].flat().includes(table) && value === name) found.set(key(where), where);
+    if (Array.isArray(value)) value.forEach((item, i) => look({ ...(node.items ?? node.prefixItems?.[i] ?? {}), ...(one["x-clast"] && { "x-clast": one["x-clast"] }) }, item, [...where, i]));
+    else if (isTable(value)) for (const [part, item] of Object.entries(value)) {
+      const inner = node.properties?.[part] ?? node.additionalProperties;
+      if (inner) look(inner, item, [...where, part]);
+    }
+  });
+  look({ properties: ctx.schema.properties, type: "object" }, ctx.content, []);
+  return [...found.values()];
+}
+
 /** The user's own name of a table; all that refers to it follows. */
 function Name({ ctx, place }) {
+  const [table, old] = place;
   const rename = (name) => {
-    if (!name || name === place[1]) return;
-    const edits = [{ do: "rename", place, toml: name }];
-    const follow = (one, value, where) => variants(ctx.schema, one).forEach((node) => {
-      if ([node["x-clast"]?.refers_to ?? one["x-clast"]?.refers_to].flat().includes(place[0]) && value === place[1]) edits.push({ do: "set", place: where, toml: toml(name) });
-      if (Array.isArray(value)) value.forEach((item, i) => follow({ ...(node.items ?? node.prefixItems?.[i] ?? {}), ...(one["x-clast"] && { "x-clast": one["x-clast"] }) }, item, [...where, i]));
-      else if (isTable(value)) for (const [part, item] of Object.entries(value)) {
-        const inner = node.properties?.[part] ?? node.additionalProperties;
-        if (inner) follow(inner, item, [...where, where.length === 1 && where[0] === place[0] && part === place[1] ? name : part]);
-      }
-    });
-    follow({ properties: ctx.schema.properties, type: "object" }, ctx.content, []);
-    const own = new Map(edits.map((one) => [key(one.place) + one.do, one]));
-    ctx.hand.edit([...own.values()]).then((done) => done && ctx.choose([place[0], name]));
+    if (!name || name === old) return;
+    const own = (where) => (startsWith(where, place) ? [table, name, ...where.slice(2)] : where);
+    const edits = referring(ctx, table, old).map((where) => ({ do: "set", place: own(where), toml: toml(name) }));
+    ctx.hand.edit([{ do: "rename", place, toml: name }, ...edits]).then((done) => done && ctx.choose([table, name]));
   };
-  return html`<input value=${place[1]} aria-label="name" onChange=${(e) => rename(e.target.value.trim())} />`;
+  return html`<input value=${old} aria-label="name" onChange=${(e) => rename(e.target.value.trim())} />`;
+}
+
+/** What is to become of the values that name a table which is removed. */
+function Removal({ ctx, table, name, named, remove, keep }) {
+  const others = namesOf(ctx, { "x-clast": { refers_to: table } }).filter((other) => other !== name);
+  const replace = (other) => remove(named.map((place) => ({ do: "set", place, toml: toml(other) })));
+  const leaveOut = () => remove([...named].reverse().map((place) => ({ do: "remove", place }))); // items from the last: the others keep their numbers
+  return html`<div class="asked" role="group" aria-label=${`Remove ${name}`}>
+    <p role="alert">${name} is named by ${named.map((place) => place.map((part) => (typeof part === "number" ? part + 1 : part)).join(" ")).join("; ")}.</p>
+    ${others.length > 0 && html`<label>Name another there <select aria-label="Name another" onChange=${(e) => replace(e.target.value)}><option value=""></option>
+      ${others.map((other) => html`<option key=${other} value=${other}>${other}</option>`)}</select></label>`}
+    <button onClick=${leaveOut}>remove these values too</button><button onClick=${() => remove()}>remove it all the same</button><button onClick=${keep}>keep it</button></div>`;
 }
 
 // --- the values ----------------------------------------------------------------------------------
@@ -144,36 +170,69 @@ function Name({ ctx, place }) {
 /** Faults of a value; they are announced below the section, once. */
 function Faults({ ctx, place }) {
   const own = ctx.faults.filter((one) => key(one.place) === key(place));
-  return html`<span class="fault">${own.map((one) => `${one.what}. ${one.remedy}`).join(" ")}</span>`;
+  // a key of an earlier version, or of another program, is renamed on request
+  const meant = own.map(({ what, remedy }) => what === "there is no such key" && remedy.match(/^(?:did you mean|UDEC's '.*' is) '(\w+)'(?:\?$| in clast$)/)?.[1]).find(Boolean);
+  return html`<span class="fault">${own.map((one) => `${one.what}. ${one.remedy}`).join(" ")}</span>
+    ${meant && html`<button class="rename" onClick=${() => ctx.hand.edit([{ do: "rename", place, toml: meant }])}>rename to ${meant}</button>`}`;
 }
 
-/** Rows of a table: keys that are given, that have faults, and those of the level. */
+/** Whether a key goes with the values of a table. */
+const goes = ({ "x-clast": { when } = {} }, value, node) => !when || Object.entries(when).some(([by, values]) => {
+  const chosen = isTable(value[by]) ? value[by].name : value[by] ?? node.properties[by]?.default;
+  return values.includes(chosen) || (values.includes("*") && by in value);
+});
+
+/** Edits of the keys that go with others of a table, when these get other values; undefined takes one away. */
+function following(ctx, place, node, value, changes) {
+  const after = Object.fromEntries(Object.entries({ ...value, ...changes }).filter(([, one]) => one !== undefined));
+  const alone = new Set((node["x-clast"]?.one_of ?? []).flat());
+  return Object.entries(node.properties).flatMap(([name, one]) => {
+    const notes = one["x-clast"] ?? {};
+    if (name in changes || !Object.keys(changes).some((by) => by in (notes.when ?? {}))) return [];
+    if (name in value) return goes(one, after, node) ? [] : [{ do: "remove", place: [...place, name] }];
+    if (notes.level !== "basic" || alone.has(name) || !goes(one, after, node)) return [];
+    return [{ do: "set", place: [...place, name], toml: toml(begin(ctx, one)) }];
+  });
+}
+
+/** What a key begins with. */
+const begin = (ctx, one, form = variants(ctx.schema, one)[0]) => blank(ctx.schema, { ...form, "x-clast": one["x-clast"] }, (node) => nameFor(ctx, node));
+
+/** Rows of a table: keys that are given, that have faults, and those of the level that go with the others. */
 function Rows({ ctx, place, node, value = {}, known = node.properties }) {
   const met = useRef(new Set()); // a row whose last letter is deleted stays while its table is looked at
   const needed = node.required ?? [], strange = Object.keys(value).filter((name) => !(name in known));
-  const applies = (when) => when && Object.entries(when).every(([name, values]) => values.includes(value[name] ?? node.properties[name]?.default));
-  const levelOf = ([name, { "x-clast": notes = {} }]) => {
-    const isNear = name in value || needed.includes(name) || ctx.faults.some((fault) => startsWith(fault.place, [...place, name])) || startsWith(ctx.wanted ?? [], [...place, name]);
-    return isNear || applies(notes.when) ? 0 : LEVELS.indexOf(notes.level ?? "more");
-  };
-  const rows = Object.entries(node.properties).filter((row) => levelOf(row) <= ctx.level || met.current.has(row[0]));
+  const isNear = (name) => name in value || needed.includes(name) || ctx.faults.some((fault) => startsWith(fault.place, [...place, name])) || startsWith(ctx.wanted ?? [], [...place, name]);
+  const isAll = ctx.level === LEVELS.length - 1;
+  const isShown = ([name, one]) => isNear(name) || ((isAll || goes(one, value, node)) && (met.current.has(name) || LEVELS.indexOf(one["x-clast"]?.level ?? "more") <= ctx.level));
+  const follow = (changes) => following(ctx, place, node, value, changes);
+  // of keys that stand in each other's place there is one row
+  const groups = new Map((node["x-clast"]?.one_of ?? []).flatMap((keys) => keys.map((name) => [name, keys])));
+  const stands = (name) => !groups.has(name) || isNear(name) || (!groups.get(name).some(isNear) && groups.get(name)[0] === name);
+  const rows = Object.entries(node.properties).filter((row) => isShown(row) && stands(row[0]));
   for (const [name] of rows) if (name in value) met.current.add(name);
-  return html`<div class="rows">${rows.map(([name, one]) => html`<${Row} key=${name} ctx=${ctx} place=${[...place, name]} one=${one}
-      value=${value[name]} isNeeded=${needed.includes(name)} owner=${node.owner ?? node.title} />`)}
+  const turn = (from, to) => ctx.hand.edit([...(from in value ? [{ do: "remove", place: [...place, from] }] : []),
+    { do: "set", place: [...place, to], toml: toml(begin(ctx, node.properties[to])) }, ...follow({ [from]: undefined, [to]: true })]);
+  return html`<div class="rows">${rows.map(([name, one]) => html`<${Row} key=${name} ctx=${ctx} place=${[...place, name]} one=${one} follow=${follow}
+      value=${value[name]} isNeeded=${needed.includes(name)} owner=${node.owner ?? node.title}
+      instead=${(groups.get(name) ?? []).filter((other) => isAll || other === name || (!(other in value) && goes(node.properties[other], value, node)))} turn=${(to) => turn(name, to)} />`)}
     ${strange.map((name) => html`<${Row} key=${name} ctx=${ctx} place=${[...place, name]} one=${{}} value=${value[name]} />`)}</div>`;
 }
 
-function Row({ ctx, place, one, value, isNeeded, owner }) {
+function Row({ ctx, place, one, value, isNeeded, owner, instead = [], turn, follow = () => [] }) {
   const [isOpen, open] = useState(false), name = place.at(-1), forms = variants(ctx.schema, one);
   const id = `at ${key(place)}`, isBad = ctx.faults.some((fault) => startsWith(fault.place, place));
-  const add = () => ctx.hand.edit([{ do: "set", place, toml: toml(blank(ctx.schema, { ...forms[0], "x-clast": one["x-clast"] }, (node) => nameFor(ctx, node))) }]);
+  const add = () => ctx.hand.edit([{ do: "set", place, toml: toml(begin(ctx, one)) }, ...follow({ [name]: true })]);
+  const leave = () => ctx.hand.edit([{ do: "remove", place }, ...follow({ [name]: undefined })]);
   return html`<div class=${isBad ? "row bad" : "row"} data-place=${key(place)} data-key=${`${owner}.${name}`}>
-    <label for=${id}>${name.replaceAll("_", " ")}</label>
+    ${instead.length > 1 ? html`<select class="form-of instead" aria-label=${`One of ${instead.join(", ")}`} value=${name} onChange=${(e) => turn(e.target.value)}>
+      ${instead.map((other) => html`<option key=${other} value=${other}>${other.replaceAll("_", " ")}</option>`)}</select>`
+      : html`<label for=${id}>${name.replaceAll("_", " ")}</label>`}
     ${value === undefined && !forms.some(isPlain) && forms.length ? html`<button id=${id} onClick=${add}>add</button>`
-      : html`<${Value} ctx=${ctx} place=${place} one=${one} value=${value} id=${id} isNeeded=${isNeeded} />`}
+      : html`<${Value} ctx=${ctx} place=${place} one=${one} value=${value} id=${id} isNeeded=${isNeeded} follow=${(to) => follow({ [name]: to })} />`}
     <small>${unitOf(one)}</small>
     ${one.description && html`<button class="what" aria-expanded=${isOpen} aria-label=${`What ${name} means`} onClick=${() => open(!isOpen)}>?</button>`}
-    ${value !== undefined && !isNeeded && html`<button class="drop" aria-label=${`Leave ${name} out`} onClick=${() => ctx.hand.edit([{ do: "remove", place }])}>×</button>`}
+    ${value !== undefined && !isNeeded && html`<button class="drop" aria-label=${`Leave ${name} out`} onClick=${leave}>×</button>`}
     ${isOpen && html`<p class="help">${one.description}${one.default !== undefined && one.default !== null ? ` Default: ${toml(one.default)}.` : ""}</p>`}
     <${Faults} ctx=${ctx} place=${place} />
   </div>`;
@@ -186,7 +245,10 @@ function Value(props) {
   const node = formOf(ctx.schema, forms, value), shared = { ...one, ...node, "x-clast": node["x-clast"] ?? one["x-clast"] };
   const control = html`<${CONTROLS[kindOf(node)]} key=${forms.indexOf(node)} ...${props} node=${shared} />`;
   if (forms.length === 1) return control;
-  const turn = (e) => ctx.hand.edit([{ do: "set", place, toml: toml(blank(ctx.schema, forms[e.target.value], (inner) => nameFor(ctx, inner))) }]);
+  const turn = (e) => {
+    const to = begin(ctx, one, forms[e.target.value]);
+    ctx.hand.edit([{ do: "set", place, toml: toml(to) }, ...(props.follow?.(to) ?? [])]);
+  };
   return html`<span class="several"><select class="form-of" aria-label=${`Form of ${place.at(-1)}`} value=${forms.indexOf(node)} onChange=${turn}>
     ${forms.map((form, i) => html`<option key=${i} value=${i}>${formName(form)}</option>`)}</select>${control}</span>`;
 }
@@ -254,8 +316,9 @@ const itemOf = ({ ctx, place, node, value, id }, one, i) => ({
   one: { ...one, description: one.description ?? node.description, "x-clast": one["x-clast"] ?? node["x-clast"] },
 });
 
-function Choice({ ctx, place, value, id, isNeeded, node, names }) {
-  const given = node.default ?? null, choose = (e) => ctx.hand.edit([e.target.value === "" ? { do: "remove", place } : { do: "set", place, toml: toml(names[e.target.value]) }]);
+function Choice({ ctx, place, value, id, isNeeded, node, names, follow = () => [] }) {
+  const given = node.default ?? null, to = (e) => (e.target.value === "" ? undefined : names[e.target.value]);
+  const choose = (e) => ctx.hand.edit([to(e) === undefined ? { do: "remove", place } : { do: "set", place, toml: toml(to(e)) }, ...follow(to(e))]);
   return html`<select id=${id ?? null} aria-label=${unlabelled(id, place)} value=${value === undefined ? "" : names.indexOf(value)} onChange=${choose}>
     ${(!isNeeded || value === undefined) && html`<option value="">${given === null ? "" : `${given} (default)`}</option>`}
     ${value !== undefined && !names.includes(value) && html`<option value="-1">${String(value)}</option>`}
@@ -264,7 +327,7 @@ function Choice({ ctx, place, value, id, isNeeded, node, names }) {
 
 /** A slider of numbers that have a range of their own. */
 function Slider({ ctx, place, node, value }) {
-  const gesture = useRef(""), range = node["x-clast"]?.typical ?? RANGES[place.at(-1)];
+  const gesture = useRef(""), range = node["x-clast"]?.typical;
   if (!range || typeof value !== "number") return null;
   const [low, high] = [Math.min(range[0], value), Math.max(range[1], value)], step = 10 ** Math.floor(Math.log10((high - low) / 200));
   const move = (e) => ctx.hand.move([{ do: "set", place, toml: String(Number(Number(e.target.value).toPrecision(12))) }], gesture.current);
@@ -272,7 +335,6 @@ function Slider({ ctx, place, node, value }) {
     onPointerDown=${() => { gesture.current = `slider ${++gestures}`; }} onFocus=${() => { gesture.current = `slider ${++gestures}`; }}
     onInput=${move} />`;
 }
-const RANGES = { angle: [-90, 90], friction_angle: [0, 60], spacing: [0.2, 5], dip: [0, 90], dip_direction: [0, 360], trace_length: [0.5, 20], bridge_length: [0, 5] };
 
 function List(props) {
   const { ctx, place, node, value = [] } = props, one = node.items ?? {};

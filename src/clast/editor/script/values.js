@@ -63,6 +63,7 @@ export function blank(schema, node, nameOf = () => undefined) {
   if (kind === "fixed") return node.const;
   if (kind === "choice") return node.enum[0];
   if (kind === "yes") return true;
+  if (kind === "number" && node["x-clast"]?.typical) return Number((node["x-clast"].typical[0] / 2 + node["x-clast"].typical[1] / 2).toPrecision(2));
   if (kind === "number") return node.minimum ?? (node.exclusiveMinimum === undefined ? 0 : node.exclusiveMinimum + 1);
   if (kind === "text") return nameOf(node) ?? "";
   if (kind === "tuple") return node.prefixItems.map(first);

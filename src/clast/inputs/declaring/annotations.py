@@ -8,15 +8,16 @@
               of something that it shows
 ``from``      key of the point or outline at which such a size or direction begins
 ``refers_to`` tables of which it holds a name
-``when``      values of other keys with which it goes
-``level``     "basic" for keys that a table needs, "more" for others
+``when``      values of other keys with one of which it goes, "*" for any of them
+``level``     "basic" for keys that most tables have, "rare" for those that few have, else "more"
+``typical``   smallest and largest usual value of a number
 
-``x-clast`` of a table has ``one_of``, groups of keys of which it has exactly one.
+``x-clast`` of a table has ``one_of``, groups of keys of which it has one, at most.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -43,6 +44,8 @@ Extent = Literal[
     "level",
     "station",
 ]
+ANY = "*"
+"""Stands for every value of a key."""
 MARK = "x-clast"
 """Key of the annotations in the JSON Schema."""
 
@@ -130,7 +133,8 @@ def annotation_of(
         "from": extent.begins if extent else "",
         "refers_to": list(names_of(key, field, tables - {key} if is_file else tables)),
         "when": when_of(key, table),
-        "level": "basic" if field.is_required() or key in _of_groups(table) else "more",
+        "level": _level(key, field, table),
+        "typical": list(getattr(table, "TYPICAL", {}).get(key, ())),
     }
     return {name: value for name, value in found.items() if value}
 
@@ -145,15 +149,22 @@ def when_of(key: str, table: type[BaseModel]) -> dict[str, list[str]]:
     return {by: values for by, values in found.items() if values}
 
 
-def _of_groups(table: type[BaseModel]) -> set[str]:
-    return {key for keys in getattr(table, "ONE_OF", {}).values() for key in keys}
+def _level(key: str, field: FieldInfo, table: type[BaseModel]) -> str:
+    if key in getattr(table, "RARE", ()):
+        return "rare"
+    basic = {*getattr(table, "BASIC", ()), *(one for keys in _groups(table) for one in keys)}
+    return "basic" if field.is_required() or key in basic else "more"
+
+
+def _groups(table: type[BaseModel]) -> list[Sequence[str]]:
+    return [*getattr(table, "ONE_OF", {}).values(), *getattr(table, "INSTEAD", ())]
 
 
 def annotate(table: type[BaseModel], tables: frozenset[str]) -> None:
     """Give the keys of a table, and the table, their annotations in the JSON Schema."""
     for key, field in table.model_fields.items():
         field.json_schema_extra = {MARK: annotation_of(field.alias or key, field, table, tables)}
-    groups: list[JsonValue] = [list(keys) for keys in getattr(table, "ONE_OF", {}).values()]
+    groups: list[JsonValue] = [list(keys) for keys in _groups(table)]
     if groups:
         extra: JsonDict = {MARK: {"one_of": groups}}
         table.model_config = {**table.model_config, "json_schema_extra": extra}

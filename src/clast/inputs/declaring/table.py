@@ -80,7 +80,15 @@ class Table(BaseModel):
     ONE_OF: ClassVar[Mapping[str, Sequence[str]]] = {}
     """Groups of keys of which a table has exactly one, by the remedy where it has not."""
     WHEN: ClassVar[Mapping[str, Mapping[str, Sequence[str]]]] = {}
-    """Key that chooses -> its values -> the keys that go with each of them."""
+    """Key that chooses -> its values, ANY for all -> the keys that go with each of them."""
+    INSTEAD: ClassVar[Sequence[Sequence[str]]] = ()
+    """Groups of keys of which a table has at most one, each in place of the others."""
+    BASIC: ClassVar[Sequence[str]] = ()
+    """Keys that most tables have, beside those that are needed and the groups."""
+    RARE: ClassVar[Sequence[str]] = ()
+    """Keys that few tables have."""
+    TYPICAL: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    """Range of the usual values of a number, in its unit."""
 
     @model_validator(mode="after")
     def _has_one_of_each(self) -> Self:

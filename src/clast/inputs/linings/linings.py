@@ -23,7 +23,7 @@ from clast.actions.linings import (
 from clast.actions.links import LinkRows, Links
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import ANY, RefersTo
 from clast.inputs.declaring.table import Ends, Length, Line, Positive, Strength, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.declaring.values import number_of
@@ -92,6 +92,11 @@ class Lining(Table):
 
     ONE_OF: ClassVar = {
         'give one of opening = "NAME" and polyline = [[x, y], ...]': ("opening", "polyline")
+    }
+    WHEN: ClassVar = {
+        "opening": {ANY: ("part",)},
+        "polyline": {ANY: ("side",)},
+        "joins": {ANY: ("connection",)},
     }
 
     @model_validator(mode="after")

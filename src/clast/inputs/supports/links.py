@@ -12,6 +12,7 @@ from clast.actions.links import COMPONENTS, LinkRows, Links
 from clast.actions.loads import Moments
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.annotations import ANY
 from clast.inputs.declaring.table import OR_TEXT, Force, Length, Point, Positive, Table
 from clast.inputs.declaring.validation_messages import refusal
 from clast.inputs.placing.bolt_lines import Ground
@@ -72,6 +73,12 @@ class Link(Table):
     ONE_OF: ClassVar = {
         'give blocks = ["1", "2"], or block = "1" for a link to the ground': ("block", "blocks")
     }
+    WHEN: ClassVar = {
+        "x": {ANY: ("direction", "yield_force", "rupture", "gap", "damping")},
+        "y": {ANY: ("direction", "yield_force", "rupture", "gap", "damping")},
+        "rotation": {ANY: ("yield_moment", "rupture_rotation", "rotation_damping")},
+    }
+    BASIC: ClassVar = ("x", "y", "rotation")
 
     @model_validator(mode="after")
     def _links_two(self) -> Self:

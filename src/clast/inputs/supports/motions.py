@@ -20,7 +20,7 @@ from clast.actions.motions import (
 )
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.annotations import RefersTo
+from clast.inputs.declaring.annotations import ANY, RefersTo
 from clast.inputs.declaring.table import (
     OR_TABLE,
     OR_TEXT,
@@ -112,6 +112,13 @@ class Motion(Table):
             "fixed_point",
         )
     }
+    INSTEAD: ClassVar = (("force", "stress"),)
+    WHEN: ClassVar = {
+        "rotation": {ANY: ("about",)},
+        "force": {ANY: ("limit_speed", "amplitude")},
+        "stress": {ANY: ("limit_speed", "amplitude")},
+    }
+    BASIC: ClassVar = ("x", "y", "rotation", "limit_speed")
 
     @model_validator(mode="after")
     def _says_what_moves(self) -> Self:
