@@ -1,6 +1,7 @@
 """Drawings and pictures under the section: what is read, from where, and how the list is kept."""
 
 import json
+import math
 
 import ezdxf
 import numpy as np
@@ -86,6 +87,30 @@ def test_outlines_stay_where_other_lines_of_the_layer_are_open(case, tmp_path):
     found = drawn(case, "one.dxf")
     assert [one["points"] for one in found["outlines"]] == [[[0, 0], [4, 0], [4, 3]]]
     assert len(found["lines"]) == 2
+
+
+@pytest.mark.parametrize("far", [math.nan, math.inf])
+def test_points_at_no_place_are_refused(case, far):
+    document = ezdxf.new("R2010", units=6)
+    document.modelspace().add_lwpolyline([(0, 0), (far, 0), (4, 3)])
+    document.saveas(case.parent / "far.dxf")
+    with pytest.raises(CaseError):
+        drawn(case, "far.dxf")
+
+
+def test_texts_are_no_lines(case):
+    document = ezdxf.new("R2010", units=6)
+    document.modelspace().add_mtext("Section A", dxfattribs={"insert": (1, 2)})
+    document.modelspace().add_text("north")
+    document.modelspace().add_point((3, 4))
+    document.saveas(case.parent / "words.dxf")
+    assert [one["points"] for one in drawn(case, "words.dxf")["lines"]] == [[[3, 4]]]
+
+
+def test_too_many_points_are_refused(case, monkeypatch):
+    monkeypatch.setattr("clast.editor.underlay.POINTS_MAX", 10)
+    with pytest.raises(CaseError, match="has more than 10 points"):
+        drawn(case, "site.dxf")
 
 
 def test_no_file_elsewhere_is_read(case, tmp_path):

@@ -30,8 +30,8 @@ PICTURE_ENDINGS = (".png", ".jpg", ".jpeg")
 DRAWING_ENDINGS = (".dxf", ".csv", *FEATURES)
 PICTURE_BYTES_MAX, POINTS_MAX = 50_000_000, 200_000
 """Larger pictures, and drawings of more points, are refused."""
-LISTED_MAX, DEEP_MAX = 200, 3
-"""Files that are offered at most, and how many folders below that of the case, less one."""
+LISTED_MAX, LOOKED_MAX, DEEP_MAX = 200, 5000, 3
+"""Files that are offered and looked at, and folders, that of the case and those in it, at most."""
 
 Pair = tuple[float, float]
 
@@ -109,7 +109,8 @@ def files_beside(case: Path) -> list[str]:
             yield from ((at / one).as_posix() for one in names if not one.endswith(".edit.json"))
 
     endings = (*DRAWING_ENDINGS, *PICTURE_ENDINGS)
-    return sorted(islice((one for one in found() if one.lower().endswith(endings)), LISTED_MAX))
+    known = (one for one in islice(found(), LOOKED_MAX) if one.lower().endswith(endings))
+    return sorted(islice(known, LISTED_MAX))
 
 
 def picture(case: Path, name: str) -> tuple[str, bytes]:
@@ -138,6 +139,7 @@ def drawn(case: Path, name: str) -> dict[str, Any]:
         lines = [
             _line(np.vstack([(at := content.flat(one)), at[: one.closed]]), one.layer)
             for one in content.pieces
+            if len(one.points) and not one.text
         ]
         outlines, notes = _outlines(content, name), [content.unit_source, *content.notes]
     else:
@@ -146,9 +148,12 @@ def drawn(case: Path, name: str) -> dict[str, Any]:
         lines = [_line(one.points, f"JOINTS_{one.joint}") for one in drawing.traces]
         outlines = [] if rim is None else [_line(rim, "BOUNDARY")]
         lines += [] if rim is None else [_line(np.vstack([rim, rim[:1]]), "BOUNDARY")]
-    if sum(len(one["points"]) for one in chain(lines, outlines)) > POINTS_MAX:
+    many = [one["points"] for one in chain(lines, outlines)]
+    if sum(map(len, many)) > POINTS_MAX:
         what = f"has more than {POINTS_MAX} points"
         raise CaseError(what, where=name, remedy="save the lines that are needed alone")
+    if not all(np.isfinite(points).all() for points in many):
+        raise CaseError("has coordinates that are not finite", where=name, remedy="draw it anew")
     return {"lines": lines, "outlines": outlines, "notes": [*dict.fromkeys(notes)]}
 
 

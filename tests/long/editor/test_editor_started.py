@@ -97,3 +97,23 @@ def test_without_a_name_the_cases_here_are_named(tmp_path):
     assert "clast edit new.toml" in refusal(tmp_path)
     (tmp_path / "slope.toml").write_text("")
     assert "'slope.toml'" in refusal(tmp_path)
+
+
+def test_neither_pictures_nor_cad_are_loaded_for_the_window():
+    code = "import sys, clast.editor.server; print({'matplotlib', 'ezdxf'} & {*sys.modules})"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert ended.stdout.strip() == "set()", ended.stderr
+
+
+def test_a_case_that_is_not_there_is_begun_and_a_second_editor_has_its_own(tmp_path):
+    one, other = tmp_path / "one.toml", tmp_path / "other.toml"
+    with started(one) as (_, ask), started(other) as (_, ask_other):
+        assert ask("/case")["text"] == ""
+        ask("/begin", version=0, text="slope")
+        end = time.monotonic() + 20
+        while not one.exists():
+            assert time.monotonic() < end
+            time.sleep(0.05)
+        assert ask_other("/case")["text"] == ""
+    assert one.read_text("utf-8") == TEMPLATES["slope"]
+    assert not other.exists()
