@@ -151,7 +151,7 @@ def test_the_list_is_kept_beside_the_case_and_a_broken_one_is_told(case):
         (case.parent / "site.edit.json").write_text(broken, "latin-1")
         found, trouble = underlays_of(case)
         assert found == Underlays()
-        assert trouble.startswith("site.edit.json is ")
+        assert trouble.startswith("site.edit.json is left unread")
     (case.parent / "site.edit.json").unlink()
     (case.parent / "site.edit.json").mkdir()
     assert "is left unread" in underlays_of(case)[1]

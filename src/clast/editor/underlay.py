@@ -33,6 +33,8 @@ PICTURE_BYTES_MAX, POINTS_MAX = 50_000_000, 200_000
 LISTED_MAX, LOOKED_MAX, DEEP_MAX = 200, 5000, 3
 """Files that are offered and looked at, and folders, that of the case and those in it, at most."""
 
+ENDING = ".edit.json"
+"""Of the file beside a case that has the list."""
 Pair = tuple[float, float]
 
 
@@ -65,22 +67,20 @@ class Underlays(BaseModel):
 
 def underlays_of(case: Path) -> tuple[Underlays, str]:
     """Return the underlays of a case, none where their file is broken, and what is wrong then."""
-    path = _file_of(case)
+    path = case.with_suffix(ENDING)
     if not path.exists():
         return Underlays(), ""
     try:
         return Underlays.model_validate_json(checked_file(path).read_bytes()), ""
-    except ValidationError:
-        return Underlays(), f"{path.name} is not a list of underlays: it is left unread"
-    except (CaseError, OSError) as error:
-        return Underlays(), f"{path.name} is left unread: {error}"
+    except (ValidationError, CaseError, OSError):
+        return Underlays(), f"{path.name} is left unread: it is not a list of underlays"
 
 
 def keep(case: Path, underlays: Underlays) -> None:
     """Write the underlays of a case, whole; raises CaseError for files elsewhere."""
     for one in underlays.underlays:
         beside(case, one.file)
-    with replaced(_file_of(case)) as file:
+    with replaced(case.with_suffix(ENDING)) as file:
         file.write(underlays.model_dump_json(indent=1).encode("utf-8"))
 
 
@@ -106,7 +106,7 @@ def files_beside(case: Path) -> list[str]:
             at = Path(here).relative_to(folder)
             is_deep = len(at.parts) >= DEEP_MAX - 1
             folders[:] = [one for one in folders if one[0] not in "._" and not is_deep]
-            yield from ((at / one).as_posix() for one in names if not one.endswith(".edit.json"))
+            yield from ((at / one).as_posix() for one in names if not one.endswith(ENDING))
 
     endings = (*DRAWING_ENDINGS, *PICTURE_ENDINGS)
     known = (one for one in islice(found(), LOOKED_MAX) if one.lower().endswith(endings))
@@ -155,10 +155,6 @@ def drawn(case: Path, name: str) -> dict[str, Any]:
     if not all(np.isfinite(points).all() for points in many):
         raise CaseError("has coordinates that are not finite", where=name, remedy="draw it anew")
     return {"lines": lines, "outlines": outlines, "notes": [*dict.fromkeys(notes)]}
-
-
-def _file_of(case: Path) -> Path:
-    return case.with_suffix(".edit.json")
 
 
 def _line(points: Floats, layer: str) -> dict[str, Any]:
