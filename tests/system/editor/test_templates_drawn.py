@@ -1,5 +1,6 @@
 """Templates drawn from nothing in the window of a case, as a person does it."""
 
+import numpy as np
 import pytest
 
 from clast.case.case_file import Case
@@ -102,7 +103,11 @@ def test_the_slope(empty):
     hand.fill(name="crest")
     hand.add("output")
     hand.fill(every="0.05")
-    assert not differing(drawn(hand, path), "slope")
+    case = drawn(hand, path)
+    assert not differing(case, "slope")
+    template = Case.from_text(TEMPLATES["slope"], "slope.toml")
+    crest, expected = (one.run().history("crest").displacement for one in (case, template))
+    assert np.array_equal(crest, expected) and len(crest) > 100
 
 
 HEADING = (
