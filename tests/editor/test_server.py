@@ -263,3 +263,22 @@ def test_ends_of_lines_stay_those_of_the_file(served, tmp_path):
     done(served, "/text", text=text.replace("38.0", "36.0"))
     until(lambda: not served.document.unsaved)
     assert path.read_bytes() == text.replace("38.0", "36.0").replace("\n", "\r\n").encode()
+
+
+def test_a_second_window_looks_on_and_takes_over(served):
+    def post(window, way="/edit", toml='"one"'):
+        edits = [{"do": "set", "place": ["title"], "toml": toml}] if way == "/edit" else []
+        body = {"version": served.document.version, "edits": edits}
+        return json.loads(ask(served, way, body, Window=window)[1])
+
+    served.looks("first", 1)
+    served.looks("second", 1)
+    assert post("second")["refused"].startswith("slope.toml: is edited in another window")
+    assert served.document.version == 0
+    assert "refused" not in post("first")
+    assert post("second", "/take-over")["leads"] == "second"
+    assert "refused" in post("first")
+    assert "refused" not in post("second", toml='"two"')
+    served.looks("second", -1)  # it has gone: the first may again
+    assert served.leads == ""
+    assert "refused" not in post("first")

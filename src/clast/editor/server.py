@@ -6,6 +6,7 @@ import json
 import math
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from http import HTTPStatus
@@ -77,6 +78,8 @@ class EditServer(GuardedServer):
         """Why the file could not be read or written."""
         self.runs, self.run_news = Runs(path, self._tell_of_runs), 0
         """The runs, and a count of news of them."""
+        self.leads, self._windows = "", Counter[str]()
+        """The window that edits, others look on; "" for the one that asks first."""
         self._touched = 0.0
         self._state = (-1, "")
         self._drawings: dict[str, tuple[int, dict[str, Any]]] = {}
@@ -134,6 +137,27 @@ class EditServer(GuardedServer):
                 self.run_news += 1
                 self._tell()
 
+    def looks(self, window: str, change: int) -> None:
+        """Count who looks on; the first window edits, until it goes or another takes over."""
+        with self.changed:
+            self._windows[window] += change
+            if not self._windows[self.leads]:
+                self.leads = "" if change < 0 else window
+            self._tell()
+
+    def lets(self, window: str) -> bool:
+        """Return whether a window edits; it does from then on where none did."""
+        with self.changed:
+            if not self.leads and self._windows[window]:
+                self.take_over(window)
+            return self.leads in ("", window)
+
+    def take_over(self, window: str) -> None:
+        """Let a window edit, and all others look on."""
+        with self.changed:
+            self.leads = window
+            self._tell()
+
     def _tell_of_runs(self) -> None:
         with self.changed:
             self.run_news += 1
@@ -157,6 +181,7 @@ class EditServer(GuardedServer):
                 "trouble": self.trouble,
                 "is_cutting": worker.is_busy,
                 "off": worker.off,
+                "leads": self.leads,
             }
 
     def news(self) -> str:
@@ -248,7 +273,9 @@ class EditHandler(Handler):
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         elif self.has_token():
             if self.path == "/news":
+                self.server.looks(self._window, 1)
                 self.stream(self._news)
+                self.server.looks(self._window, -1)
             elif self.path == "/section":
                 self.send(HTTPStatus.OK, "application/json", self.server.worker.section)
             elif self.path == "/underlays":
@@ -265,10 +292,17 @@ class EditHandler(Handler):
         if self.path == "/do":
             super().do_POST()
             return
-        body = self.posted()
+        body, window = self.posted(), self._window
         if body is None:
             return
         try:
+            if self.path == "/take-over":
+                self.server.take_over(window)
+                self._answer()
+                return
+            if not self.server.lets(window) and self.path != "/picture":
+                what, remedy = "is edited in another window", "take over there, or look on here"
+                raise CaseError(what, where=self._name, remedy=remedy)
             if self.path in ("/underlays", "/picture"):
                 self._underlay(Underlays.model_validate_json(body))
                 return
@@ -296,6 +330,11 @@ class EditHandler(Handler):
                 self.send(HTTPStatus.OK, *picture(case, asked.underlays[0].file))
         except (CaseError, IndexError) as error:
             self.refuse(HTTPStatus.CONFLICT, str(error))
+
+    @property
+    def _window(self) -> str:
+        """The name that a window gave itself."""
+        return self.headers.get("Window", "")
 
     @property
     def _name(self) -> str:

@@ -274,6 +274,29 @@ def test_a_key_of_other_words_is_renamed_on_request_only(window):
     saved(page, file, TEMPLATES["slope"])
 
 
+def test_a_second_window_looks_on_until_it_takes_over(window, browser):
+    page, file = window("slope")
+    until(page, "clastEditor.state.leads !== ''")
+    second = browser.new_page()
+    second.goto(page.url)
+    second.wait_for_selector("body[data-ready]")
+    until(second, "clastEditor.state.looks_on")
+    assert "another window edits this case" in second.text_content("#saved")
+    assert second.locator("#undo").is_hidden()
+    table(second, "joint", "bedding")  # it may look at every table
+    until(second, "document.querySelector('.form').inert")
+    assert not page.evaluate("clastEditor.state.looks_on")
+    second.click("#take-over")
+    until(page, "clastEditor.state.looks_on")
+    until(second, "!document.querySelector('.form').inert")
+    field(second, "Joint.friction_angle").fill("36.0")
+    saved(second, file, TEMPLATES["slope"].replace("38.0 ", "36.0 "))
+    until(page, "clastEditor.state.content.joint.bedding.friction_angle === 36")
+    second.close()
+    until(page, "clastEditor.state.leads !== '' || !clastEditor.state.looks_on")
+    until(page, "!clastEditor.state.looks_on")
+
+
 def properties(schema):
     """Return every key of every table of the schema, as rows name them."""
     found, met = set(), set()

@@ -13,13 +13,16 @@ import { Underlays } from "./underlay.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
-const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1 };
+const own = sessionStorage.getItem("window") ?? Math.random().toString(36).slice(2); // it stays over a reload
+sessionStorage.setItem("window", own);
+const headers = { Authorization: `Bearer ${token}`, Window: own };
+const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1, looks_on: false };
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
 let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
 
 async function fetched(path, body) {
-  const answer = await fetch(path, { method: body ? "POST" : "GET", headers: { Authorization: `Bearer ${token}` }, body: body && JSON.stringify(body) });
+  const answer = await fetch(path, { method: body ? "POST" : "GET", headers, body: body && JSON.stringify(body) });
   if (!answer.ok) throw new Error(await answer.text());
   return answer;
 }
@@ -33,12 +36,16 @@ function show(answer) {
     const content = answer.content ?? state.content; // of a text that is no TOML the forms keep the last
     Object.assign(state, answer, { content, refused: answer.refused ?? "" });
     hand.version = state.version;
+    hand.looksOn = state.looks_on = Boolean(state.leads) && state.leads !== own;
     if (answer.lines?.length) section.move(answer.lines);
   } else if (answer.refused) state.refused = answer.refused;
   draw();
 }
 
 function draw() {
+  document.body.dataset.looks = state.looks_on ? "on" : "";
+  $("take-over").hidden = !state.looks_on;
+  $("text").readOnly = state.looks_on;
   showForms($("forms"), { ...state, hand, choose });
   $("undo").disabled = !state.undo[0];
   $("redo").disabled = !state.undo[1];
@@ -46,7 +53,7 @@ function draw() {
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
   const size = state.blocks === null ? "" : `${state.blocks} blocks${state.steps === null ? "" : `, some ${state.steps} steps`}`;
-  const news = [saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
+  const news = [state.looks_on && "another window edits this case", saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
   if ($("saved").textContent !== news) $("saved").textContent = news;
   if (said !== told) { // what is told already is not told again
     said = told;
@@ -128,7 +135,7 @@ function differing(mine, theirs, name = "file") {
 async function listen() {
   for (;;) {
     try {
-      const answer = await fetch("/news", { headers: { Authorization: `Bearer ${token}` } });
+      const answer = await fetch("/news", { headers });
       const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
       for (let rest = "", part = await reader.read(); !part.done; part = await reader.read()) {
         const events = (rest + part.value).split("\n\n");
@@ -158,6 +165,7 @@ export async function main() {
   $("write").addEventListener("click", () => hand.send("/write", {}));
   $("cut").addEventListener("click", () => hand.send("/cut", {}));
   $("stop-cut").addEventListener("click", () => hand.send("/stop-cut", {}));
+  $("take-over").addEventListener("click", async () => show(await ask("/take-over", {})));
   $("mine").addEventListener("click", () => hand.send("/keep-mine", {}));
   $("theirs").addEventListener("click", () => hand.send("/keep-theirs", {}));
   addEventListener("keydown", (e) => {

@@ -30,7 +30,7 @@ function Forms({ ctx }) {
   const inner = { ...ctx, level: LEVELS.indexOf(level) };
   return html`<div class="forms">
     <nav aria-label="Tables of the case"><${Tree} ctx=${inner} chosen=${place} /></nav>
-    <section class="form" aria-label="Values">
+    <section class="form" aria-label="Values" inert=${ctx.looks_on}>
       <label class="level">Keys shown <select value=${level} onChange=${(e) => setLevel(e.target.value)}>
         ${LEVELS.map((one) => html`<option value=${one}>${one === "rare" ? "all" : one}</option>`)}</select></label>
       <${Chosen} ctx=${inner} place=${place} key=${key(place)} />

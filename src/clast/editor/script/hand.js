@@ -3,7 +3,7 @@
 /** Sends edits and keeps the newest answer; `ask` posts to the server, `show` is told of each answer. */
 export class Hand {
   constructor(ask, show) {
-    Object.assign(this, { ask, show, version: 0, waiting: [], isBusy: false, latency: [] });
+    Object.assign(this, { ask, show, version: 0, waiting: [], isBusy: false, looksOn: false, latency: [] });
   }
 
   /** Send edits; edits of the same gesture at the same place replace those that still wait. */
@@ -21,6 +21,7 @@ export class Hand {
   text(text, gesture) { return this.send("/text", { text, gesture }, gesture); }
 
   send(path, body, like = "") {
+    if (this.looksOn) return Promise.resolve(false);
     return new Promise((done) => {
       const asked = { path, body, like, done, begun: performance.now() }, last = this.waiting.at(-1);
       if (like && last?.like === like) this.waiting.pop().done(false);
