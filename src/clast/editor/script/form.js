@@ -226,7 +226,7 @@ function Row({ ctx, place, one, value, isNeeded, owner, instead = [], turn, foll
   const leave = () => ctx.hand.edit([{ do: "remove", place }, ...follow({ [name]: undefined })]);
   return html`<div class=${isBad ? "row bad" : "row"} data-place=${key(place)} data-key=${`${owner}.${name}`}>
     ${instead.length > 1 ? html`<select class="form-of instead" aria-label=${`One of ${instead.join(", ")}`} value=${name} onChange=${(e) => turn(e.target.value)}>
-      ${instead.map((other) => html`<option key=${other} value=${other}>${other.replaceAll("_", " ")}</option>`)}</select>`
+      ${instead.map((other) => html`<option key=${other} value=${other}>${other.replaceAll("_", " ")}</option>`)}</select><label class="unseen" for=${id}>${name.replaceAll("_", " ")}</label>`
       : html`<label for=${id}>${name.replaceAll("_", " ")}</label>`}
     ${value === undefined && !forms.some(isPlain) && forms.length ? html`<button id=${id} onClick=${add}>add</button>`
       : html`<${Value} ctx=${ctx} place=${place} one=${one} value=${value} id=${id} isNeeded=${isNeeded} follow=${(to) => follow({ [name]: to })} />`}
