@@ -388,3 +388,35 @@ def test_another_seed_is_a_key(drawing):
     hand.keys.press("Escape")
     hand.keys.press("r")
     assert hand.content["joint_set"][0]["seed"] >= 0
+
+
+SNAPS = {
+    (9.97, 0.02): ([10, 0], "vertex"),
+    (4.5, 0.03): ([4.5, 0.0], "edge"),
+    (3.04, 4.02): ([3.0, 4.0], "corner of a block"),
+    (3.03, 4.6): ([3.0, 4.6], "joint"),
+    (5.02, 7.33): ([5, 7.33], "plumb"),
+    (7.31, 6.03): ([7.31, 6], "level"),
+    (6.7, 7.72): ([6.71, 7.71], "right angle"),
+    (8.04, 2.97): ([8, 3], "grid"),
+    (8.5, 3.5): ([8.5, 3.5], ""),
+    (8.5, 2.12): ([8.5, 2.12], ""),
+}
+"""Place of the pointer, m, -> the point that it means, and what that lies on."""
+
+
+def test_a_pointer_means_what_is_nearest_to_it(drawing):
+    hand = drawing(EMPTY)
+    given = """(at) => modules.snaps.snapped(at, {
+      lines: [{ points: [[0, 0], [10, 0]], closed: false },
+        { points: [[-50, 2.1], [50, 2.1]], closed: false, isEndless: true }],
+      dots: [], joints: [[[3, 4], [3, 5]]], corners: [[3, 4]],
+      before: [[4, 7], [5, 6]], near: 0.1, step: 1, digits: 2 })"""
+    for place, (at, snap) in SNAPS.items():
+        found = hand.page.evaluate(given, list(place))
+        assert (found["at"], found["snap"]) == (pytest.approx(at, abs=1e-9), snap), place
+    typed = "([text, last]) => modules.snaps.typed(text, last)"
+    for text, at in (("12.5, 8", [12.5, 8]), ("@1,2", [2, 4]), ("@3<60", [2.5, 4.598076211])):
+        assert hand.page.evaluate(typed, [text, [1, 2]])["at"] == pytest.approx(at, abs=1e-8)
+    assert hand.page.evaluate(typed, ["1e3", [0, 0]]) == {"number": 1000}
+    assert hand.page.evaluate(typed, ["1,", [0, 0]]) is None

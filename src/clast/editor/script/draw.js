@@ -438,7 +438,7 @@ export class Tools {
 
   /** Draw the table that is chosen with its handles, and what is being drawn. */
   drawHand(pen) {
-    const stress = this.state.chosen[0] === "in_situ" && this.hover && stressAt(this.state.content, this.hover[1]);
+    const stress = !this.isDrawing && this.state.chosen[0] === "in_situ" && this.hover && stressAt(this.state.content, this.hover[1]);
     if (stress) drawStress(pen, this.section.screen(this.hover), stress, this.section.theme);
     for (const shape of this.chosen) this.drawShape(pen, shape, this.section.theme.chosen, 3, true);
     if (!this.isDrawing) for (const handle of this.handles) this.drawHandle(pen, handle);
@@ -481,6 +481,7 @@ export class Tools {
     const { values, step, points } = this.taken(more);
     const shape = shapeOf(content, choice.node, values, [], this.seen);
     this.drawShape(pen, shape, theme.chosen, 2.5, true);
+    pen.lines(shape.handles.filter(({ from }) => from).map(({ at, from }) => [from, at].flatMap((point) => this.section.screen(point))), theme.chosen, 1.5, [3, 3]);
     if (step?.kind === "edges" || choice.steps.some(({ kind }) => kind === "edges")) this.drawPart(pen, values);
     if (choice.steps[0].kind === "pick") this.drawPicked(pen, values);
     for (const { at } of this.clicks) if (at) pen.circle(...this.section.screen(at), 4, theme.paper, theme.chosen);

@@ -53,13 +53,13 @@ function nearest(some, at, reach, of = (one) => one) {
  * `lines` and `dots` are those of the file, `joints` and `corners` those of blocks, `before` the last points drawn.
  */
 export function snapped(at, { lines, dots, joints, corners, before, near, step, digits }) {
-  const places = [...lines.filter((line) => !line.isEndless).flatMap((line) => line.points), ...dots];
+  const whole = lines.filter((line) => !line.isEndless), places = [...whole.flatMap((line) => line.points), ...dots];
   const vertex = nearest(places, at, near);
   if (vertex) return { at: vertex, snap: "vertex" };
   const told = (point, more) => point.map((x) => rounded(x, digits + more));
   const corner = nearest(corners, at, near);
   if (corner) return { at: told(corner, 2), snap: "corner of a block" };
-  const edge = nearest(lines.flatMap(sidesOf), at, 0.7 * near, (side) => footOn(side, at));
+  const edge = nearest(whole.flatMap(sidesOf), at, 0.7 * near, (side) => footOn(side, at));
   if (edge) return { at: told(edge, 4), snap: "edge" };
   const joint = nearest(joints, at, 0.7 * near, (side) => footOn(side, at));
   if (joint) return { at: told(joint, 3), snap: "joint" };
