@@ -49,7 +49,9 @@ Live = Annotated[
 LiveAt = Annotated[
     str,
     typer.Option(
-        "--live-at", metavar="HOST:PORT", help="The same at this address, e.g. 127.0.0.1:8080."
+        "--live-at",
+        metavar="HOST:PORT",
+        help="The same at this address, e.g. 127.0.0.1:8080; - for lines of JSON on stdout.",
     ),
 ]
 

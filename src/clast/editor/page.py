@@ -14,7 +14,7 @@ OF_PAGES = (
 """Modules of the page of a run that draw the section, each after those that it imports."""
 SCRIPTS = (
     "values hand form handles snaps choices signs draw underlay start text search picture "
-    "run stages edit"
+    "study run stages edit"
 ).split()
 """Modules of the page, each after those that it imports."""
 

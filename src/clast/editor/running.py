@@ -1,7 +1,7 @@
 """Runs and studies of a case that is edited, each a process of its own on a copy of the text.
 
     slope.runs/3/slope.toml     the case that ran, with the files that it names
-    slope.runs/3/slope.vtkhdf   what came of it, with its checkpoint
+    slope.runs/3/slope.vtkhdf   what came of it, with its checkpoint; of a study the folder study
     slope.runs/3/log.txt        the command, and its messages
 
 A process ends with the editor, however that ends: a run keeps its results and a checkpoint then, a
@@ -10,8 +10,11 @@ study the runs that are finished.
 
 from __future__ import annotations
 
+import hmac
 import json
 import os
+import re
+import secrets
 import shutil
 import signal
 import subprocess
@@ -20,12 +23,19 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from itertools import islice
+from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
 
 from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
+from clast.study.description import COLLAPSE, ROCKFALL
+from clast.study.folder import StudyFolder
+from clast.study.trial_table import columns, row
 
 LOOK_EVERY = 0.1
 """Time between two looks at a process, its messages and results, s."""
@@ -33,8 +43,33 @@ END_WITHIN = 20.0
 """Time that a process gets to end when the editor does, s."""
 LOG, LOG_MOST = "log.txt", 8_000
 """File of the messages, and how many of their characters a window shows."""
-REFUSED, STOPPED, INTERRUPTED = 2, 3, 130
+MISSED, REFUSED, STOPPED, INTERRUPTED = 1, 2, 3, 130
 """Exit codes of commands."""
+STUDIES = {
+    "fos": ("by", "tolerance"),
+    "sweep": ("vary", "measure", "fail"),
+    "montecarlo": ("vary", "measure", "fail", "runs"),
+}
+"""Kinds of studies -> the options that a window gives."""
+SENTENCE = re.compile(r"(?!report: |barriers|table: |page: |warning: )\w")
+"""Beginning of a line of a study that says what it has found."""
+ROWS_MOST = 2_000
+"""Rows of the table of a study in a window."""
+
+
+class StudyAsked(BaseModel):
+    """A study that a window asks for: its kind, and texts of options."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    kind: Literal["fos", "sweep", "montecarlo"]
+    options: dict[str, list[str]] = {}
+
+    def words(self) -> list[str]:
+        """Return the words of its command."""
+        texts = ((name, self.options.get(name, ())) for name in STUDIES[self.kind])
+        options = [f"--{name}={text}" for name, some in texts for text in some if text.strip()]
+        return ["study", self.kind, *options]
 
 
 class Child:
@@ -46,6 +81,8 @@ class Child:
         self.feed = Feed(case.with_suffix(".vtkhdf"))
         self.process: subprocess.Popen[bytes] | None = None
         self.asked_to_end = False
+        self.table: dict[str, Any] | None = None
+        """The results of a study as they come: heads and rows."""
         self.begun = time.monotonic()
         self.seconds = 0.0
 
@@ -62,6 +99,17 @@ class Child:
         with suppress(OSError):
             return (self.folder / LOG).read_text("utf-8", "replace")
         return ""
+
+    @property
+    def kind(self) -> str:
+        """The first word of the command: run, study or rockfall."""
+        return (self.command.split(maxsplit=3) or ["", "", "run"])[2]
+
+    @property
+    def report(self) -> Path | None:
+        """The page of a study that is over."""
+        pages = (self.case.with_name("study") / name for name in ("paths.html", "report.html"))
+        return next((page for page in pages if page.exists()), None)
 
     @property
     def is_over(self) -> bool:
@@ -99,7 +147,7 @@ class Child:
 
     def follow(self, changed: Callable[[], None]) -> None:
         """Follow it to its end, for which ``changed`` is called when there is something new."""
-        process, seen = self.process, (-1, -1, -1)
+        process, seen, rest = self.process, (-1, -1, -1), 0.0
         if process is None:
             return
         if process.stdout is not None:
@@ -107,6 +155,8 @@ class Child:
         while process.poll() is None:
             self.seconds = time.monotonic() - self.begun
             self.feed.look()
+            if time.monotonic() > rest:
+                rest = time.monotonic() + self.tell_table()
             now = self.feed.version, (self.folder / LOG).stat().st_size, int(self.seconds)
             if now != seen:
                 seen = now
@@ -115,7 +165,15 @@ class Child:
         if process.stdin is not None:
             process.stdin.close()
         self.feed.end()
+        self.tell_table()
         changed()
+
+    def tell_table(self) -> float:
+        """Read what a study has found; return how long not to look again, s."""
+        begun = time.monotonic()
+        with suppress(CaseError, OSError):
+            self.table = table_of(StudyFolder.opened(self.case.with_name("study")))
+        return 1.0 + 20.0 * (time.monotonic() - begun)
 
     def _hear(self, said: Any) -> None:
         for line in said:
@@ -135,13 +193,18 @@ class Child:
             name = signal.Signals(-code).name
             return f"was killed by {name}: it ended without a report"
         words = {REFUSED: "was refused", STOPPED: "could not go on", INTERRUPTED: "was ended"}
-        return words.get(code, "is over" if code == 0 else f"ended with exit code {code}")
+        told = [one.strip() for one in self.command.splitlines() if SENTENCE.match(one)]
+        words |= dict.fromkeys((0, MISSED), (told or ["is over"])[-1])
+        return words.get(code, f"ended with exit code {code}")
 
     def as_dict(self) -> dict[str, Any]:
         """Return it for a window."""
         status = {key: value for key, value in self.feed.status.items() if key != "over"}
         return {
             "number": self.number,
+            "kind": self.kind,
+            "table": self.table,
+            "report": self.is_over and self.report is not None,
             "folder": f"{self.folder.parent.name}/{self.number}",
             "log": self.command[-LOG_MOST:],
             "over": self.is_over,
@@ -162,6 +225,11 @@ class Runs:
         self.shown: Child | None = None
         """The one that windows show."""
         self._following: threading.Thread | None = None
+        self._secret = secrets.token_urlsafe(24)
+
+    def knows(self, secret: str) -> bool:
+        """Return whether a text is what the address of a report ends with."""
+        return hmac.compare_digest(secret.encode(), self._secret.encode())
 
     @property
     def feed(self) -> Feed:
@@ -233,6 +301,7 @@ class Runs:
         self.shown = Child(folder, cases[0])
         self.shown.feed.say({"paused": False})
         self.shown.feed.end()
+        self.shown.tell_table()
 
     def order(self, order: str) -> None:
         """Hand a request on to the one that goes on; to end asked for twice kills it."""
@@ -260,5 +329,23 @@ class Runs:
         """Return them for a window."""
         return {
             "numbers": self.numbers,
+            "secret": self._secret,
             "shown": None if self.shown is None else self.shown.as_dict(),
         }
+
+
+def table_of(there: StudyFolder) -> dict[str, Any]:
+    """Return heads and rows of the results of a study, of which there may be more to come."""
+    results = islice(there.results(), ROWS_MOST)
+    if there.study.kind == COLLAPSE:
+        heads = ["factor", "verdict", "displacement", "steps"]
+        rows = [[one["trial"][name] for name in heads] for one in results]
+    elif there.study.kind == ROCKFALL:
+        heads = ["run", "status"]
+        rows = [[one[name] for name in heads] for one in results]
+    else:
+        heads = columns(there.study)
+        rows = [row(there.study, one) for one in results]
+    # JSON knows no other numbers
+    known = [[None if one in (inf, -inf) or one != one else one for one in some] for some in rows]
+    return {"heads": heads, "rows": known}

@@ -20,7 +20,7 @@ from clast.editor.checking import Checked
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
-from clast.editor.running import Runs
+from clast.editor.running import Runs, StudyAsked
 from clast.editor.starting import started, templates
 from clast.editor.underlay import (
     PICTURE_ENDINGS,
@@ -65,6 +65,7 @@ class Asked(BaseModel):
     text: str = ""
     gesture: str = ""
     number: int = 0
+    study: StudyAsked | None = None
 
 
 class EditServer(GuardedServer):
@@ -97,10 +98,10 @@ class EditServer(GuardedServer):
         """Hand a request of the page of a run on to it."""
         self.runs.order(order)
 
-    def _run(self, version: int) -> None:
-        """Run the text, which a window has to know."""
+    def _run(self, version: int, study: StudyAsked | None = None) -> None:
+        """Run the text, which a window has to know, or a study of it."""
         self.document.edit((), version)
-        self.runs.start(self.document.text)
+        self.runs.start(self.document.text, study.words() if study is not None else ())
 
     def do(self, way: str, asked: Asked) -> None:
         """Carry out a request of a window; raises CaseError where it cannot be done.
@@ -123,7 +124,7 @@ class EditServer(GuardedServer):
             "/keep-theirs": document.keep_theirs,
             "/cut": self.worker.ask,
             "/stop-cut": self.worker.stop,
-            "/start": lambda: self._run(version),
+            "/start": lambda: self._run(version, asked.study),
             "/stop": lambda: self.runs.order("end"),
             "/look": lambda: self.runs.show(asked.number),
         }
@@ -267,6 +268,9 @@ class EditHandler(Handler):
             return
         if not self.is_from_here():
             return
+        if self.path.startswith("/report?"):
+            self._report(self.path.partition("?")[2])
+            return
         if self.path == "/":
             self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
         elif self.path not in ("/case", "/news", "/section", "/underlays", "/ran"):
@@ -330,6 +334,15 @@ class EditHandler(Handler):
                 self.send(HTTPStatus.OK, *picture(case, asked.underlays[0].file))
         except (CaseError, IndexError) as error:
             self.refuse(HTTPStatus.CONFLICT, str(error))
+
+    def _report(self, secret: str) -> None:
+        """Answer with the page of a study; a frame has no other way to show what it knows."""
+        shown = self.server.runs.shown
+        page = shown.report if shown is not None and self.server.runs.knows(secret) else None
+        if page is None:
+            self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
+        else:
+            self.send(HTTPStatus.OK, "text/html; charset=utf-8", page.read_bytes())
 
     @property
     def _window(self) -> str:

@@ -112,3 +112,39 @@ def test_a_run_that_is_killed_or_refused_says_so(window):
     assert page.is_visible("#section")
     assert "measured point 'A'" in page.text_content("#messages pre")
     assert page.is_visible("#messages pre")
+
+
+def test_a_study_is_made_from_the_form_by_clicking_its_parameter(window):
+    text = TEMPLATES["incline"].replace("dynamic_ratio = 1.0", "dynamic_ratio = 0.0")
+    text = text.replace("friction_angle = 20.0", "friction_angle = 50.0")
+    page, file, _ = window(
+        text.replace("end = 1.0", "end = 0.2").replace("time = 1.0", "time = 0.2")
+    )
+    page.click("#study summary")
+    page.click("#study-start")
+    until(page, f"{SHOWN}?.table?.rows.length > 1")
+    over(page)
+    low, high = 1.1875, 1.191
+    factors = page.evaluate(
+        f"{SHOWN}.table.rows.filter((row) => row[1] === 'stands').map((row) => row[0])"
+    )
+    assert low <= max(factors) <= high  # tan 50 / tan 45 = 1.1918
+    assert "study 1: factor of safety 1.1" in page.text_content("#ran")
+    report = page.frame_locator("#page iframe")
+    report.locator("text=factor of safety").first.wait_for()
+    assert page.locator(".study circle").count() == page.evaluate(f"{SHOWN}.table.rows.length")
+    page.select_option("#study select", "sweep")
+    page.click('nav [data-table=\'["joint","default"]\']')
+    page.click("text=choose a parameter by clicking it")
+    page.click('[data-key="Joint.friction_angle"] input')
+    page.click("text=add a measure")
+    asked = page.evaluate("clastEditor.runs.form.options")
+    assert asked["vary"] == ["joint.default.friction_angle = [40, 50, 60]"]
+    assert asked["measure"] == ["u1 = displacement(A)"]
+    page.click("#study-start")
+    until(page, f"{SHOWN}?.number === 2 && {SHOWN}.over")
+    table = page.evaluate(f"{SHOWN}.table")
+    assert table["heads"][:4] == ["run", "status", "joint.default.friction_angle", "u1"]
+    assert [row[2] for row in table["rows"]] == [40, 50, 60]
+    assert table["rows"][0][3] > 0.05 > 1e-3 > table["rows"][1][3] > table["rows"][2][3]
+    assert (file.parent / "case.runs/2/study/results.csv").exists()

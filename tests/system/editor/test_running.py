@@ -9,7 +9,7 @@ import time
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.running import Runs
+from clast.editor.running import Runs, StudyAsked
 from clast.errors import CaseError
 from scenes.edited import edited_file
 
@@ -118,3 +118,45 @@ def test_the_page_of_the_run_is_shown_by_the_editor_alone(tmp_path):
         assert asked(server.address, "/do", {"do": "pause"})[0] == 200
         late = asked(server.address, "/start", {"version": version + 1})[2]
         assert json.loads(late)["late"] and server.runs.numbers == [1]
+
+
+def test_rocks_fall_where_the_case_is_for_them_and_their_page_is_shown(tmp_path):
+    """The address of the page ends with a secret: a frame cannot send the token."""
+    path = tmp_path / "case.toml"
+    path.write_text(TEMPLATES["rockfall"].replace("rocks = 200", "rocks = 20"), "utf-8")
+    with edited_file(path) as server:
+        assert asked(server.address, "/start", {"version": server.document.version})[0] == 200
+        until(lambda: server.runs.as_dict()["shown"]["report"])
+        shown = server.runs.as_dict()["shown"]
+        assert (shown["kind"], shown["outcome"]) == ("rockfall", "20 paths")
+        secret = server.runs.as_dict()["secret"]
+        status, headers, text = asked(server.address, f"/report?{secret}")
+        assert status == 200 and headers["X-Frame-Options"] == "SAMEORIGIN"
+        assert text == (path.parent / "case.runs/1/study/paths.html").read_text("utf-8")
+        assert "connect-src 'none'" in text
+        for wrong in ("", server.token, secret[:-1]):
+            assert asked(server.address, f"/report?{wrong}")[0] == 404
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        {"kind": "resume"},
+        {"kind": "fos", "file": "x"},
+        {"kind": "fos", "options": {"by": 1}},
+        "fos",
+    ],
+    ids=str,
+)
+def test_studies_that_no_form_asks_for_are_refused(tmp_path, study):
+    path = tmp_path / "case.toml"
+    path.write_text(TEMPLATES["incline"], "utf-8")
+    with edited_file(path) as server:
+        assert asked(server.address, "/start", {"version": 0, "study": study})[0] == 400
+        assert server.runs.shown is None
+
+
+def test_options_of_a_study_are_values_and_no_other_options():
+    given = {"vary": ["-o /tmp = [1]", "a.b = [1, 2]"], "output": ["/tmp/x"], "fail": [" "]}
+    words = StudyAsked(kind="sweep", options=given).words()
+    assert words == ["study", "sweep", "--vary=-o /tmp = [1]", "--vary=a.b = [1, 2]"]
