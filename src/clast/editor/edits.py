@@ -237,7 +237,7 @@ def _rename(at: Places, place: Place, name: str) -> str:
 
 
 def _swap(at: Places, place: Place, _: str) -> str:
-    text, spans = at.text, list[tuple[int, int]]()
+    text, spans, is_table = at.text, list[tuple[int, int]](), False
     for one in (place, (*place[:-1], int(place[-1]) + 1)):
         held, there = at.values.get(one), at.under(one)
         if held is None and not there:

@@ -15,8 +15,17 @@ RIM = [(0, 0), (20_000, 0), (20_000, 10_000), (0, 10_000)]
 
 
 @pytest.fixture
-def window(opened, tmp_path):
-    """Return the window of a case that is not there yet, beside a drawing and a picture."""
+def window(opened, served):
+    """Return the window of that case, and its path."""
+    page = opened(served)
+    page.wait_for_selector("body[data-ready]")
+    yield page, served.document.path
+    page.close()
+
+
+@pytest.fixture
+def served(tmp_path):
+    """Return the server of a case that is not there yet, beside a drawing and a picture."""
     document = ezdxf.new("R2010", units=4)
     sheet = document.modelspace()
     for one, other in zip(RIM, RIM[1:] + RIM[:1], strict=True):
@@ -28,12 +37,8 @@ def window(opened, tmp_path):
     pixels = np.full((60, 120, 3), 255, np.uint8)
     pixels[:30, :60] = (200, 30, 30)
     matplotlib.image.imsave(tmp_path / "scan.png", pixels)
-    path = tmp_path / "new.toml"
-    with edited_file(path) as server:
-        page = opened(server)
-        page.wait_for_selector("body[data-ready]")
-        yield page, path
-        page.close()
+    with edited_file(tmp_path / "new.toml") as server:
+        yield server
 
 
 def add(page, file):
@@ -140,3 +145,20 @@ def test_a_picture_is_placed_by_two_points(window):
     page.reload()
     until(page, "Boolean(globalThis.clastEditor?.under.images.get('scan.png')?.bitmap)")
     assert page.evaluate("clastEditor.under.list[0].opacity") == 1
+
+
+def test_a_window_that_looks_on_lays_nothing_under(window, served, opened):
+    page, path = window
+    page.click("dialog li >> text=slope")
+    until(page, "clastEditor.section.run !== null")
+    other = opened(served)
+    until(other, "globalThis.clastEditor?.state.looks_on === true")
+    other.click("summary >> text=Underlay")
+    other.fill(".under input[name=file]", "site.dxf")
+    other.click(".under form button")
+    other.locator(".said", has_text="is edited in another window").wait_for()
+    assert other.evaluate("clastEditor.under.list") == []
+    assert not path.with_name("new.edit.json").exists()
+    page.click("summary >> text=Underlay")
+    add(page, "site.dxf")
+    other.close()

@@ -94,7 +94,10 @@ export class Underlays {
 
   async answered(body, turn) {
     let said = "", answer = null;
-    try { answer = await this.ask("/underlays", body); } catch (error) {
+    try {
+      answer = await this.ask("/underlays", body);
+      if (answer.refused) throw new Error(answer.refused); // of a window that looks on
+    } catch (error) {
       said = error.message;
       answer = await this.ask("/underlays").catch(() => null); // what is kept goes on
     }
