@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.block import polygon
 from clast.block.displacement import weighted_squares
+from clast.block.polygon import moments
 from clast.compute.jit import kernel
 from clast.compute.mat6 import put_lines
 from clast.compute.parallel import BLOCKS, shared
@@ -34,28 +34,27 @@ def block_frames(model: Model, state: State) -> BlockFrames:
     A block keeps the mass that it had at the start; where strain has changed its area the density
     has changed, so that weight and momentum do not drift.
     """
-    area, centroid, second = polygon.moments(state.vertices, model.block_start)
-    density = model.mass / area
-    matrix = mass_matrices(model.mass, density[:, None] * second)
+    area, centroid, matrix = frames_of(state.vertices, model.block_start, model.mass)
     return BlockFrames(area=area, centroid=centroid, mass_matrix=matrix)
 
 
 @kernel()
-def mass_matrices(mass, moments):
-    """Return M = int T^T T dm (n, 6, 6), exact, from mass (n,), kg/m, and moments (n, 3), kg m2/m.
+def frames_of(vertices, block_start, mass):
+    """Return areas (n,), m2, centroids (n, 2), m, and M = int T^T T dm (n, 6, 6), exact.
 
-    ``moments`` are int x2, int y2 and int xy dm about the centroid, where int x dm = int y dm = 0
-    (Shi 1988).
+    From mass (n,), kg/m, and moments about the centroid, where int x dm = int y dm = 0 (Shi 1988).
     """
-    result = np.empty((len(mass), 6, 6))
-    _mass_matrices(len(mass), mass, moments, result)
-    return result
+    area, centroid, second = moments(vertices, block_start)
+    matrix = np.empty((len(mass), 6, 6))
+    _mass_matrices(len(mass), mass, area, second, matrix)
+    return area, centroid, matrix
 
 
 @shared(BLOCKS)
-def _mass_matrices(first, last, mass, moments, result):
+def _mass_matrices(first, last, mass, area, second, result):
     """Write the mass matrices of blocks ``first`` to ``last`` - 1."""
     for b in range(first, last):
-        sxx, syy, sxy = moments[b, 0], moments[b, 1], moments[b, 2]
+        density = mass[b] / area[b]
+        sxx, syy, sxy = density * second[b, 0], density * second[b, 1], density * second[b, 2]
         each_way = six(mass[b], 0.0, 0.0, sxx, sxy, syy)
         put_lines(result, b, weighted_squares(each_way, zeros(), each_way))

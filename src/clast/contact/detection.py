@@ -74,8 +74,10 @@ def detect(
     shift = None
     if drift is not None:
         of_all = displacements_of(state.vertices, model.vertex_block, centroid, drift)
-        shift = of_all[sought.vertex]
-    strain = strains(model.compliance, state.stress)[sought.block]
+        shift = of_all if model.outlines is None else of_all.take(sought.vertex, axis=0)
+    strain = strains(model.compliance, state.stress)
+    if model.outlines is not None:
+        strain = strain.take(sought.block, axis=0)
     of_vertices = owners, first_rows(sought.memory.vertex, len(owners))
     candidates = find_candidates(
         sought.vertices,

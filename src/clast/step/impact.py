@@ -168,7 +168,8 @@ def _struck(
     rank, edge = model.vertex_rank, contacts.edge[some]
     ends = rank.take(edge), rank.take(model.vertex_after.take(edge))
     order = order_by(rank.take(contacts.vertex[some]), np.minimum(*ends), np.maximum(*ends))
-    struck, carries = tuple(one[order] for one in struck), carries[order]
+    struck = tuple(one.take(order, axis=0) for one in struck)
+    carries = carries.take(order)
     inertia = mobilities(model, frames, context.state), frames.mass_matrix
     if held is not None:
         inertia = held.heavy(*inertia)
