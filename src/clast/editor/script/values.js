@@ -8,7 +8,8 @@ export function variants(schema, one) {
   }
   const several = one.anyOf ?? one.oneOf;
   if (several) return several.flatMap((inner) => variants(schema, inner));
-  return one.type === "null" ? [] : [one];
+  const isKnown = ["type", "properties", "enum", "const"].some((key) => key in one); // a key that no table has is none of them
+  return isKnown && one.type !== "null" ? [one] : [];
 }
 
 /** How a value is entered: "choice", "yes", "number", "text", "fixed", "tuple", "list", "table" or "map". */
