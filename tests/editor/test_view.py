@@ -1,87 +1,81 @@
-"""The server of `clast edit --view`: who is let in, and what a window is told."""
+"""`clast edit --view`, whose windows look on, and the section that they are shown."""
 
 import http.client
 import json
-import threading
+import time
 
 import pytest
 
 from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
-from clast.editor.page import view_text
+from clast.editor.page import editor_text
 from clast.editor.section import lines_of, section_of
-from clast.editor.view import ViewServer
+from clast.editor.server import ViewServer
+from scenes.edited import edited_file, rock_text
 
 SLOPE = TEMPLATES["slope"]
 
 
 @pytest.fixture
-def served(tmp_path):
-    server = ViewServer(("127.0.0.1", 0), tmp_path / "slope.toml")
-    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
-    yield server
-    server.shutdown()
-    server.server_close()
+def path(tmp_path):
+    path = tmp_path / "slope.toml"
+    path.write_text(SLOPE, "utf-8", newline="")
+    return path
 
 
-def ask(server, path, method="GET", **headers):
-    """Return the answer; ``headers`` replace those of a window."""
-    usual = {"Host": f"127.0.0.1:{server.port}", "Authorization": f"Bearer {server.token}"}
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
-    connection.putrequest(method, path, skip_host=True)
-    for name, value in {**usual, **headers}.items():
-        if value is not None:
-            connection.putheader(name, value.replace("{port}", str(server.port)))
-    connection.endheaders()
-    return connection.getresponse()
+def until(condition):
+    end = time.monotonic() + 120
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
-@pytest.mark.parametrize(
-    ("headers", "status"),
-    [
-        ({"Authorization": None}, 401),
-        ({"Authorization": "Bearer 0123456789abcdefghijklmnopqrstuv"}, 401),
-        ({"Host": None}, 403),
-        ({"Host": "evil.example:{port}"}, 403),
-        ({"Host": "127.0.0.1:1"}, 403),
-        ({"Origin": "http://evil.example"}, 403),
-        ({"Origin": "https://127.0.0.1:{port}"}, 403),
-        ({"Origin": "null"}, 403),
-    ],
-)
-def test_who_is_not_let_in(served, headers, status):
-    served.show(check(SLOPE, "slope.toml"))
-    answer = ask(served, "/news", **headers)
-    assert answer.status == status
-    assert b"sandstone" not in answer.read()
+def asked(server, way, **body):
+    """Return the answer to a request of a window, JSON."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+    content = json.dumps({"version": server.document.version, **body}) if body else None
+    headers = {"Authorization": f"Bearer {server.token}", "Window": "w"}
+    connection.request("POST" if body else "GET", way, content, headers)
+    answer = connection.getresponse()
+    found = json.loads(answer.read())
+    connection.close()
+    return found
 
 
-def test_the_page_itself_tells_nothing_and_no_other_is_there(served):
-    served.show(check(SLOPE, "slope.toml"))
-    answer = ask(served, "/", Authorization=None)
-    text = answer.read().decode()
-    assert answer.status == 200 and "connect-src 'self'" in text
-    assert "sandstone" not in text and served.token not in text
-    for path in ("/slope.toml", "/../slope.toml", "/news/", "/case"):
-        assert ask(served, path).status == 404
-    assert ask(served, "/news", method="POST").status == 501
+@pytest.mark.parametrize("way", ["/edit", "/text", "/write", "/start", "/take-over", "/undo"])
+def test_nothing_is_changed_by_a_window_that_looks_on(path, way):
+    change = {"do": "set", "place": ["title"], "toml": "'other'"}
+    with edited_file(path, ViewServer) as server:
+        server.looks("w", 1)
+        refused = asked(server, way, text="title = 'other'", edits=[change])["refused"]
+    assert "edited in another window" in refused or "is only shown here" in refused
+    assert path.read_text("utf-8") == SLOPE
+    assert [one.name for one in path.parent.iterdir()] == ["slope.toml"]
 
 
-def test_a_window_is_told_each_section_once(served):
-    served.show(check(SLOPE, "slope.toml"))
-    answer = ask(served, "/news")
+def test_a_value_that_is_set_is_shown_and_not_written(path):
+    text = SLOPE.replace("friction_angle = 38.0", "friction_angle = 95.0")
+    assert text != SLOPE
+    path.write_text(text, "utf-8", newline="")
+    values = ("title='S'", "joint.bedding.friction_angle=38")
+    with edited_file(path, ViewServer, settings=values) as server:
+        until(lambda: server.state()["checked"])
+        assert server.state()["faults"] == []
+        shown = asked(server, "/section")
+    assert (shown["title"], shown["blocks"]) == ("S", 23)
+    assert path.read_text("utf-8") == text
 
-    def event():
-        kind, data, _ = (answer.readline().decode().strip() for _ in range(3))
-        return kind.removeprefix("event: "), json.loads(data.removeprefix("data: "))
 
-    kind, first = event()
-    assert (kind, first["blocks"], first["faults"]) == ("section", 23, [])
-    served.show(check(SLOPE.replace("friction_angle = ", "friction_angle = 1"), "slope.toml"))
-    kind, second = event()
-    assert (kind, second["scene"]) == ("section", None)
-    assert second["faults"][0]["place"][0] == "joint"
-    assert served.pages == 1
+def test_a_file_that_the_case_names_is_looked_at_too(path, tmp_path):
+    traces = tmp_path / "traces.csv"
+    traces.write_text("x1,y1,x2,y2\n0,1,8,1\n", "utf-8")
+    path.write_text(f'{rock_text(8, 4)}[[trace]]\nfile = "traces.csv"\n', "utf-8")
+    with edited_file(path, ViewServer) as server:
+        until(lambda: server.state()["checked"])
+        before = asked(server, "/section")["blocks"]
+        traces.write_text("x1,y1,x2,y2\n0,1,8,1\n0,2,8,2.1\n", "utf-8")
+        until(lambda: server.state()["checked"] and server.state()["blocks"] != before)
+        assert asked(server, "/section")["blocks"] > before
 
 
 @pytest.mark.parametrize("name", sorted(TEMPLATES))
@@ -111,4 +105,4 @@ def test_lines_have_the_geometry_of_their_keys():
 
 
 def test_a_name_of_a_file_is_text_in_the_page():
-    assert "<title>&lt;img&gt;.toml - clast</title>" in view_text("<img>.toml")
+    assert "<title>&lt;img&gt;.toml - clast</title>" in editor_text("<img>.toml")

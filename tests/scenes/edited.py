@@ -7,9 +7,9 @@ from clast.editor.server import EditServer
 
 
 @contextmanager
-def edited_file(path):
+def edited_file(path, kind=EditServer, **more):
     """Yield the server of the window of a case file, which saves as the hand rests."""
-    server, stop = EditServer(("127.0.0.1", 0), path), threading.Event()
+    server, stop = kind(("127.0.0.1", 0), path, **more), threading.Event()
     threads = [
         threading.Thread(target=server.watch, args=(stop,), daemon=True),
         threading.Thread(target=server.judge, args=(stop,), daemon=True),

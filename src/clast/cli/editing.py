@@ -36,16 +36,14 @@ def edit(
     if settings and not view:
         remedy = "change the value in the window, or look on with --view"
         raise CaseError("is for runs and views", where="--set", remedy=remedy)
+    from clast.editor.document import begins
+    from clast.editor.server import EditServer, ViewServer, serve
+    from clast.inputs.declaring.text import read_text
+
+    if view:
+        read_text(case)  # a file that is not there is refused at once
+    elif begins(case):
+        say(f"new: {case} is written when the window has a case for it")
+    kind, name = (ViewServer, "view") if view else (EditServer, "edit")
     with compilation_told(say):
-        if view:
-            from clast.editor.view import view as look_on
-
-            look_on(case, HERE, lambda address: say(f"view: {address}"), settings or ())
-        else:
-            from clast.editor.document import begins
-            from clast.editor.server import edit as serve
-
-            if begins(case):
-                say(f"new: {case} is written when the window has a case for it")
-
-            serve(case, HERE, lambda address: say(f"edit: {address}"))
+        serve(kind(HERE, case, settings or ()), lambda address: say(f"{name}: {address}"))

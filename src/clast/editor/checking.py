@@ -118,7 +118,7 @@ def checking(
 
 def stamps_of(case: Case) -> Stamp:
     """Return the stamps of the files that a case names."""
-    return tuple(_stamp(Path(case.file).parent / name) for name in case.named_files())
+    return tuple(stamp_of(Path(case.file).parent / name) for name in case.named_files())
 
 
 def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]:
@@ -131,7 +131,7 @@ def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]
     before: Checked | None = None
     seen: Stamp = ()
     while True:
-        now = _stamp(path), *(stamps_of(before.case) if before and before.case else ())
+        now = stamp_of(path), *(stamps_of(before.case) if before and before.case else ())
         if before is None or now != seen:
             try:
                 before = check(case_text.read_text(path), str(path), settings, before)
@@ -144,7 +144,8 @@ def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]
         time.sleep(LOOK_EVERY)
 
 
-def _stamp(path: Path) -> tuple[int, int, int] | None:
+def stamp_of(path: Path) -> tuple[int, int, int] | None:
+    """Return time of change, size and number of a file, None where there is none."""
     try:
         of = path.stat()
     except OSError:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from clast.pictures.page.document import closed_page, file, module
 
 HERE = "clast.editor"
@@ -21,19 +19,9 @@ SCRIPTS = (
 
 def editor_text(name: str) -> str:
     """Return the page of the editor of a case file of this name."""
-    return _text(name, "edit", [file("vendor/htm-preact.umd.js", HERE)], SCRIPTS)
-
-
-def view_text(name: str) -> str:
-    """Return the page that shows the section of a case file of this name."""
-    return _text(name, "view", [], ("view_case",))
-
-
-def _text(name: str, kind: str, libraries: list[str], scripts: Sequence[str]) -> str:
-    """Return a page whose last module starts it."""
-    own = [module(one, HERE) for one in ("section", *scripts)]
-    start = f"modules.{scripts[-1]}.main();"
+    own = [module(one, HERE) for one in ("section", *SCRIPTS)]
+    start = f"modules.{SCRIPTS[-1]}.main();"
     program = ['"use strict";', "const modules = {};", *map(module, OF_PAGES), *own, start]
-    style = file(f"{kind}.css", HERE) + file("section.css", HERE)
-    markup = [file(f"{kind}.html", HERE)]
-    return closed_page(name, markup, style, [*libraries, "\n".join(program)], "'self'", "'self'")
+    style = file("edit.css", HERE) + file("section.css", HERE)
+    scripts = [file("vendor/htm-preact.umd.js", HERE), "\n".join(program)]
+    return closed_page(name, [file("edit.html", HERE)], style, scripts, "'self'", "'self'")

@@ -7,7 +7,7 @@ import math
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
@@ -47,6 +47,8 @@ LIFE = 5.0
 """A sign of life goes to every window at least so often, s."""
 BYTES_MAX = 5_000_000
 """Greatest length of a text from a window."""
+TEXT_EDITOR = "text editor"
+"""Leads where all windows look on."""
 OF_RUN = ("/run", "/scene", "/page", "/events")
 """Paths of the page of a run, which the window shows within it."""
 
@@ -71,7 +73,7 @@ class Asked(BaseModel):
 class EditServer(GuardedServer):
     """Serves the window of a case file; raises CaseError where there is no such file."""
 
-    def __init__(self, at: tuple[str, int], path: Path) -> None:
+    def __init__(self, at: tuple[str, int], path: Path, settings: Sequence[str] = ()) -> None:
         self.document = Document(path)
         self.stamp = 0
         """Counts the news for windows."""
@@ -86,8 +88,8 @@ class EditServer(GuardedServer):
         self._drawings: dict[str, tuple[int, dict[str, Any]]] = {}
         """Lines of the drawings under the section, and the stamp of their file."""
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
-        self.worker = Worker(str(path), self.changed, self._tell)
-        """Cuts and checks the text."""
+        self.worker = Worker(str(path), self.changed, self._tell, settings)
+        """Cuts and checks the text, with other values if these are set."""
 
     @property
     def feed(self) -> Feed:
@@ -218,6 +220,7 @@ class EditServer(GuardedServer):
                 if now - looked > LOOK:
                     looked = now
                     self._attempt(self.document.look)
+                    self.worker.look()
                 if now - self._touched > REST:
                     self._attempt(self.document.save)
         with self.changed:
@@ -250,6 +253,25 @@ class EditServer(GuardedServer):
     def _tell(self) -> None:
         self.stamp += 1
         self.changed.notify_all()
+
+
+class ViewServer(EditServer):
+    """Serves windows that look on while a text editor writes the file; nothing is changed there."""
+
+    def __init__(self, at: tuple[str, int], path: Path, settings: Sequence[str] = ()) -> None:
+        super().__init__(at, path, settings)
+        self.leads = TEXT_EDITOR
+
+    def looks(self, window: str, change: int) -> None:
+        """Let a window look on."""
+
+    def lets(self, window: str) -> bool:
+        """Return that no window edits."""
+        return False
+
+    def take_over(self, window: str) -> None:
+        """Refuse a window that would edit: raises CaseError."""
+        raise CaseError("is only shown here", where=self.document.path.name, remedy="clast edit")
 
 
 class EditHandler(Handler):
@@ -387,7 +409,9 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
             for place, one in places.values.items()
             if (raw := document.text[one.start : one.end])[0] not in "\"'[{tf"
         }
-    trouble, is_checked = document.trouble, worker.text == document.text
+    # values that are set may make a case of a text that is none
+    trouble = None if worker.settings else document.trouble
+    is_checked = worker.text == document.text
     said = worker.told
     if trouble is not None or not is_checked:
         where = trouble.where.removeprefix(f"{file}: ") if trouble else ""
@@ -421,9 +445,9 @@ def _plain(value: Any) -> Any:
     return str(value) if is_odd else value
 
 
-def edit(path: Path, at: tuple[str, int], say: Callable[[str], None]) -> None:
+def serve(server: EditServer, say: Callable[[str], None]) -> None:
     """Serve the window of a case file until Ctrl-C; ``say`` gets its address."""
-    server, stop = EditServer(at, path), threading.Event()
+    stop = threading.Event()
     threads = [threading.Thread(target=one, args=(stop,)) for one in (server.watch, server.judge)]
     for one in threads:
         one.start()

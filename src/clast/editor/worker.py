@@ -1,8 +1,8 @@
 """A process that cuts and checks the text of a case, while windows are answered by another.
 
-``python -m clast.editor.worker CASE.toml`` reads texts, a line of JSON each, and answers each with
-two lines or four: findings and section, first with the blocks, then with all that
-`clast check` says of them.
+``python -m clast.editor.worker CASE.toml KEY=VALUE ...`` reads texts, a line of JSON each, and
+answers each with two lines or four: findings and section, first with the blocks, then with all
+that `clast check` says of them.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from pathlib import Path
 from threading import Condition
 from typing import IO, Any
 
-from clast.editor.checking import checking
+from clast.editor.checking import checking, stamp_of
 from clast.run.progress import compilation_told
 
 LIVE_MOST = 10_000
@@ -26,7 +27,13 @@ LIVE_MOST = 10_000
 class Worker:
     """Has texts checked one after the other; ``changed`` guards it, ``tell`` tells windows."""
 
-    def __init__(self, file: str, changed: Condition, tell: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        file: str,
+        changed: Condition,
+        tell: Callable[[], None],
+        settings: Sequence[str] = (),
+    ) -> None:
         self.text, self.told = "", dict[str, Any]()
         """The text that was checked last, and the findings about it, of ``Checked.as_dict``."""
         self.section, self.sections = b"null", 0
@@ -36,10 +43,12 @@ class Worker:
         """How long the last check took until there were blocks."""
         self.off = ""
         """Why texts are not cut as they change, "" where they are."""
-        self._file, self._changed, self._tell = file, changed, tell
+        self.settings = settings
+        self._changed, self._tell = changed, tell
+        self._command = [sys.executable, "-m", "clast.editor.worker", file, *settings]
         self._given: str | None = None
         self._is_asked = self._is_stopped = self._is_over = False
-        self._process = _begun(file)
+        self._process = _begun(self._command)
 
     def wants(self, text: str) -> bool:
         """Return whether a text is to be checked."""
@@ -48,6 +57,14 @@ class Worker:
     def ask(self) -> None:
         """Check the next text in any case."""
         self._is_asked = True
+
+    def look(self) -> None:
+        """Check the text again where files that it names have changed."""
+        named = self.told.get("named", ())
+        if not self.is_busy and any(
+            stamp_of(Path(name)) != (stamp and tuple(stamp)) for name, stamp in named
+        ):
+            self._is_asked = True
 
     def stop(self) -> None:
         """End the check that goes on."""
@@ -92,15 +109,14 @@ class Worker:
             self.off = "the cut was stopped"
             if not self._is_stopped:
                 self.off = f"the process that cuts has ended ({ended}), perhaps for want of memory"
-            self._process = _begun(self._file)
+            self._process = _begun(self._command)
 
 
 def _too_many(blocks: int) -> str:
     return f"{blocks} blocks are not cut at every change" if blocks > LIVE_MOST else ""
 
 
-def _begun(file: str) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "clast.editor.worker", file]
+def _begun(command: list[str]) -> subprocess.Popen[bytes]:
     pipe = subprocess.PIPE
     # Ctrl-C is for the window: where its input ends this process ends as well
     return subprocess.Popen(command, stdin=pipe, stdout=pipe, start_new_session=True)
@@ -131,15 +147,20 @@ def _answers(process: subprocess.Popen[bytes], text: str) -> Iterator[tuple[dict
             return
 
 
-def main(file: str, texts: IO[bytes], answers: IO[bytes]) -> None:
+def main(file: str, settings: Sequence[str], texts: IO[bytes], answers: IO[bytes]) -> None:
     """Check texts until there are no more."""
     from clast.editor.section import section_of
 
     last = None
     for line in texts:
         drawn = None
-        for found in checking(json.loads(line), file, before=last):
-            told = {**found.as_dict(), "checked": found.is_whole}
+        for found in checking(json.loads(line), file, settings, last):
+            names = found.case.named_files() if found.case else ()
+            named = [
+                (str(Path(file).parent / name), stamp)
+                for name, stamp in zip(names, found.files, strict=True)
+            ]
+            told = {**found.as_dict(), "checked": found.is_whole, "named": named}
             # the same blocks are not drawn a second time
             section = "" if drawn and drawn is found.model else as_json(section_of(found))
             last, drawn = found, found.model
@@ -158,4 +179,4 @@ def as_json(content: Any) -> str:
 
 if __name__ == "__main__":
     with suppress(BrokenPipeError), compilation_told(_say):
-        main(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)
+        main(sys.argv[1], sys.argv[2:], sys.stdin.buffer, sys.stdout.buffer)

@@ -23,11 +23,10 @@ def test_the_view_shows_a_case_with_a_value_and_ends(tmp_path):
         address = urlsplit(line[line.index("http://") :].strip())
         token = address.fragment.removeprefix("token=")
         connection = http.client.HTTPConnection(address.netloc, timeout=120)
-        connection.request("GET", "/news", headers={"Authorization": f"Bearer {token}"})
-        answer, data = connection.getresponse(), ""
-        while not data.startswith("data: {"):
-            data = answer.readline().decode()
-        found = json.loads(data.removeprefix("data: "))
+        found = None
+        while found is None:
+            connection.request("GET", "/section", headers={"Authorization": f"Bearer {token}"})
+            found = json.loads(connection.getresponse().read())
         assert (found["title"], found["blocks"]) == ("S", 23)
         running.send_signal(signal.SIGINT)
         assert running.wait(20) == 0

@@ -17,6 +17,8 @@ const own = sessionStorage.getItem("window") ?? Math.random().toString(36).slice
 sessionStorage.setItem("window", own);
 const headers = { Authorization: `Bearer ${token}`, Window: own };
 const state = { schema: null, content: {}, literals: {}, faults: [], warnings: [], notes: [], undo: [0, 0], chosen: [], stamp: -1, looks_on: false };
+const TEXT_EDITOR = "text editor";
+/** Leads where no window edits. */
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
 let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
@@ -44,7 +46,7 @@ function show(answer) {
 
 function draw() {
   document.body.dataset.looks = state.looks_on ? "on" : "";
-  $("take-over").hidden = !state.looks_on;
+  $("take-over").hidden = !state.looks_on || state.leads === TEXT_EDITOR;
   $("text").readOnly = state.looks_on;
   showForms($("forms"), { ...state, hand, choose });
   $("undo").disabled = !state.undo[0];
@@ -53,7 +55,7 @@ function draw() {
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
   const size = state.blocks === null ? "" : `${state.blocks} blocks${state.steps === null ? "" : `, some ${state.steps} steps`}`;
-  const news = [state.looks_on && "another window edits this case", saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
+  const news = [state.looks_on && `${state.leads === TEXT_EDITOR ? "a text editor" : "another window"} edits this case`, saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
   if ($("saved").textContent !== news) $("saved").textContent = news;
   if (said !== told) { // what is told already is not told again
     said = told;
