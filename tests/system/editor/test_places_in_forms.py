@@ -7,9 +7,7 @@ from functools import partial
 import pytest
 
 from clast.inputs.declaring.text import with_values
-from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
-from system.case.test_every_refusal import (
+from scenes.broken_inputs import (
     BASE,
     ROCK_MASS,
     SETTINGS,
@@ -19,6 +17,8 @@ from system.case.test_every_refusal import (
     made_of,
     places_of,
 )
+from scenes.browsers import CHROMIUM, until
+from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 WRONG = ("nonsense", -1e30, {"nonsense": 1})
