@@ -143,3 +143,5 @@ def test_an_entry_is_put_behind_the_next_with_its_comments(end):
     assert edited("v = [1, {x = 2}, 3]", Edit("swap", ("v", 1))) == "v = [1, 3, {x = 2}]"
     with pytest.raises(CaseError, match=r"s\.3: there is no such entry"):
         edited(text, Edit("swap", ("s", 1)))
+    with pytest.raises(CaseError, match="is no item of a list"):
+        edited(text, Edit("swap", ("s",)))

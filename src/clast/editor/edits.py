@@ -237,17 +237,18 @@ def _rename(at: Places, place: Place, name: str) -> str:
 
 
 def _swap(at: Places, place: Place, _: str) -> str:
-    text, spans, is_table = at.text, list[tuple[int, int]](), False
-    for one in (place, (*place[:-1], int(place[-1]) + 1)):
+    text, spans, (*above, number) = at.text, list[tuple[int, int]](), place
+    if not isinstance(number, int):
+        raise CaseError("is no item of a list", where=_words(place))
+    for one in (place, (*above, number + 1)):
         held, there = at.values.get(one), at.under(one)
         if held is None and not there:
             raise CaseError("there is no such entry", where=_words(one))
-        is_table = held is None
         begin = min(part.lead for part in there) if held is None else held.first
         spans.append((begin, max(part.after for part in there) if held is None else held.end))
     (first, middle), (after, last) = spans
     ahead, behind = text[first:middle], text[after:last]
-    if is_table and not behind.endswith("\n"):
+    if place not in at.values and not behind.endswith("\n"):
         behind += _newline(text)
     return _spliced(text, first, last, behind + text[middle:after] + ahead)
 

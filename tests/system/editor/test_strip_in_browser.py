@@ -2,6 +2,8 @@
 
 import pytest
 
+from clast.block import polygon
+from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from scenes.browsers import CHROMIUM, until
 from scenes.edited import edited_file
@@ -54,6 +56,17 @@ def test_a_stage_shows_what_is_there_by_then(window):
     assert page.text_content("#strip li:nth-child(6) small") == "lining shotcrete"
 
 
+def test_count_smallest_block_and_edge_are_in_sight(window):
+    page, _ = window
+    model = Case.from_text(TEMPLATES["lined-tunnel"], "case.toml").model()
+    area, _, _ = polygon.moments(model.vertices, model.block_start)
+    _, edges = polygon.edges(model.vertices, model.block_start)
+    name = model.block_name[int(area.argmin())]
+    told = f"182 blocks, some 800 steps, smallest block {name} of {area.min():.3g} m², shortest "
+    told += f"edge {edges.min():.3g} m"
+    until(page, f"document.getElementById('saved').textContent.includes('{told}')")
+
+
 def test_stages_are_added_moved_named_and_taken_away(window):
     page, file = window
     stage(page, 3)
@@ -65,9 +78,11 @@ def test_stages_are_added_moved_named_and_taken_away(window):
     named(page, FIRST.replace("bench", "invert,bench"))
     page.click("#strip [data-tool=earlier]")
     named(page, FIRST.replace("bolts", "invert,bolts"))
-    assert page.text_content("#strip [aria-current] b") == "3 invert"
+    page.locator("#strip [aria-current] b", has_text="3 invert").wait_for()
     page.click("#strip [data-tool=later]")
+    page.locator("#strip [aria-current] b", has_text="4 invert").wait_for()
     page.click("#strip [data-tool=later]")
+    page.locator("#strip [aria-current] b", has_text="5 invert").wait_for()
     named(page, FIRST.replace("bench", "bench,invert"))
     page.click("#strip [data-tool=remove]")
     named(page, FIRST)

@@ -54,7 +54,7 @@ function draw() {
   const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
-  const size = state.blocks === null ? "" : `${state.blocks} blocks${state.steps === null ? "" : `, some ${state.steps} steps`}`;
+  const size = state.blocks === null ? "" : [`${state.blocks} blocks`, state.steps !== null && `some ${state.steps} steps`, section.sizes].filter(Boolean).join(", ");
   const news = [state.looks_on && `${state.leads === TEXT_EDITOR ? "a text editor" : "another window"} edits this case`, saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
   if ($("saved").textContent !== news) $("saved").textContent = news;
   if (said !== told) { // what is told already is not told again
@@ -83,6 +83,7 @@ async function drawSection() {
   const news = await ask("/section");
   await section.show(news, marksOf(state));
   showMarks(); // there may be more meanwhile
+  draw();
 }
 
 function showMarks() {

@@ -41,6 +41,18 @@ export function shapeOf(run, block) {
 const POINT = /\(-?[\d.e+-]+, -?[\d.e+-]+\)/;
 /** Coordinates in a message: its points are places by themselves, and no line. */
 
+/** The smallest block and the shortest edge of a section, in words. */
+function sizesOf({ start, blockStart, blockCount, area, scene }) {
+  let [block, shortest] = [0, Infinity];
+  for (let k = 0; k < blockCount; k++) {
+    if (area[k] < area[block]) block = k;
+    for (let v = blockStart[k], before = blockStart[k + 1] - 1; v < blockStart[k + 1]; before = v++) {
+      shortest = Math.min(shortest, Math.hypot(start[2 * v] - start[2 * before], start[2 * v + 1] - start[2 * before + 1]));
+    }
+  }
+  return blockCount ? `smallest block ${scene.blocks[block]} of ${Number(area[block].toPrecision(3))} m², shortest edge ${Number(shortest.toPrecision(3))} m` : "";
+}
+
 /** Return faults, warnings and notes of a case as marks. */
 export function marksOf(news) {
   const of = (kind, some) => some.map((one) => ({ ...one, kind, isLine: one.at.length > 1 && !POINT.test(one.what) }));
@@ -62,6 +74,8 @@ export class Section {
     [this.below, this.above] = root.querySelectorAll("canvas");
     this.view = new View();
     this.run = null;
+    /** Its smallest block and shortest edge, in words. */
+    this.sizes = "";
     this.origin = null;
     /** All points, lines and outlines of the file; place of those that are chosen. */
     this.lines = [];
@@ -103,6 +117,7 @@ export class Section {
       const run = new RunData(news.scene);
       await run.decode();
       this.run = run;
+      this.sizes = sizesOf(run);
       this.state.frame = Math.min(this.state.frame, run.frameCount - 1);
       this.origin = news.scene.origin;
       this.fillLayers();
