@@ -3,7 +3,7 @@ const { html, render } = htmPreact;
 
 /** Offer the ways to begin in a dialog while the case has no text. */
 export async function offerStarts(dialog, { state, hand, ask }) {
-  if (state.text.trim() !== "") return;
+  if (state.text.trim() !== "" || state.looks_on) return;
   const begin = async (start) => {
     if (await hand.send("/begin", { text: start })) dialog.close();
     else show();
