@@ -71,6 +71,9 @@ class Hand:
         before = self.page.evaluate("clastEditor.state.chosen")
         self.page.select_option(".add-table", value=table)
         until(self.page, f"JSON.stringify(clastEditor.state.chosen) !== '{_shown(before)}'")
+        made = self.page.evaluate("clastEditor.state.chosen.at(-1)")
+        if isinstance(made, str):
+            self.page.wait_for_selector(f".form h2:has-text('{made}')")
         if name is not None:
             self.page.fill(".form input[aria-label='name']", name)
             self.page.press(".form input[aria-label='name']", "Enter")
@@ -85,6 +88,11 @@ class Hand:
     def drop(self, key):
         """Leave a key out."""
         self.page.locator(f".form [data-key$='.{key}'] > .drop").first.click()
+        self.rest()
+
+    def instead(self, key):
+        """Give a key in place of another that stands there."""
+        self.page.select_option(f".form select.instead:has(option[value='{key}'])", value=key)
         self.rest()
 
     def form_of(self, key, label):
