@@ -44,8 +44,9 @@ export class RunPanel {
 
   draw() {
     const { shown, state } = this, goesOn = Boolean(shown && !shown.over), wanted = this.wanted && this.wanted === shown?.number;
-    $("study-start").disabled = goesOn || Boolean(state.refused_as_case);
-    $("run").disabled = goesOn || Boolean(state.refused_as_case);
+    const isOff = goesOn || Boolean(state.refused_as_case || state.looks_on);
+    $("study-start").disabled = isOff;
+    $("run").disabled = isOff;
     $("run").textContent = state.content.rockfall ? "Let rocks fall" : "Run";
     for (const name of ["pause", "end"]) $(name).hidden = !goesOn;
     $("pause").hidden ||= !shown.where.steps && !shown.where.paused;

@@ -48,14 +48,14 @@ export class Strip {
       this.section.state.frame = Math.max(0, Math.min(this.number + 1, this.section.run.frameCount - 1));
       this.section.changed();
     }
-    const now = JSON.stringify([this.number, content]);
+    const now = JSON.stringify([this.number, content, this.state.looks_on]);
     if (now === this.shown) return;
     this.shown = now;
     this.root.hidden = !("time" in content);
     const list = document.createElement("ol");
     list.append(this.cell(-1, { name: "start" }), ...stages.map((stage, k) => this.cell(k, stage)));
     const at = [...this.root.querySelectorAll("ol button")].indexOf(document.activeElement), tool = document.activeElement?.dataset?.tool;
-    this.root.replaceChildren(list, this.tools());
+    this.root.replaceChildren(list, ...(this.state.looks_on ? [] : [this.tools()]));
     if (at >= 0) list.querySelectorAll("button")[Math.min(at, stages.length)].focus();
     if (tool && this.root.contains(document.activeElement) === false) this.root.querySelector(`[data-tool="${tool}"]`)?.focus();
   }
