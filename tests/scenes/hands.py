@@ -98,7 +98,7 @@ class Hand:
     def form_of(self, key, label):
         """Give a key another form."""
         row = self.page.locator(f".form [data-key$='.{key}']").first
-        row.locator("select.form-of").first.select_option(label=label)
+        row.locator("select.form-of:not(.instead)").first.select_option(label=label)
         self.rest()
 
     def name_value(self, key, name, value):
@@ -115,7 +115,7 @@ class Hand:
         for key, value in values.items():
             row = self.page.locator(f".form [data-key$='.{key}']").first
             row.wait_for()
-            if not row.locator("select.form-of").count():
+            if not row.locator("select.form-of:not(.instead)").count():
                 row.locator("> button[id]").click()
                 self.rest()
             self.form_of(key, "text")
