@@ -143,6 +143,7 @@ function referring(ctx, table, name) {
 
 /** The user's own name of a table; all that refers to it follows. */
 function Name({ ctx, place }) {
+  const [draft, setDraft] = useState(null);
   const [table, old] = place;
   const rename = (name) => {
     if (!name || name === old) return;
@@ -150,7 +151,8 @@ function Name({ ctx, place }) {
     const edits = referring(ctx, table, old).map((where) => ({ do: "set", place: own(where), toml: toml(name) }));
     ctx.hand.edit([{ do: "rename", place, toml: name }, ...edits]).then((done) => done && ctx.choose([table, name]));
   };
-  return html`<input value=${old} aria-label="name" onChange=${(e) => rename(e.target.value.trim())} />`;
+  // news of the case must not undo what is typed
+  return html`<input value=${draft ?? old} aria-label="name" onInput=${(e) => setDraft(e.target.value)} onChange=${(e) => { setDraft(null); rename(e.target.value.trim()); }} />`;
 }
 
 /** What is to become of the values that name a table which is removed. */
