@@ -339,7 +339,8 @@ REACH = """async () => {
       field.value = example;
       field.dispatchEvent(new Event("input", { bubbles: true }));
       await idle();
-      const isRefused = field.ariaInvalid || state.faults.some((one) => JSON.stringify(one.place) === place);
+      const isFaulty = state.faults.some((one) => JSON.stringify(one.place) === place);
+      const isRefused = field.ariaInvalid || isFaulty;
       if (!isRefused) { entered.set(key, example); break; }
     }
     field.blur();
