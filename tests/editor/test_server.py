@@ -2,7 +2,6 @@
 
 import http.client
 import json
-import time
 import zlib
 
 import numpy as np
@@ -13,7 +12,7 @@ from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
 from clast.editor.page import editor_text
 from clast.editor.server import BYTES_MAX
-from scenes.edited import edited_file
+from scenes.edited import edited_file, until
 
 WHERE = ["joint", "bedding", "friction_angle"]
 
@@ -52,13 +51,6 @@ def done(server, path, **body):
 
 def friction(server, toml):
     return done(server, "/edit", edits=[{"do": "set", "place": WHERE, "toml": toml}])
-
-
-def until(condition):
-    end = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 WRONG = [

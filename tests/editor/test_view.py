@@ -1,8 +1,6 @@
 """`clast edit --view`, whose windows look on, and the section that they are shown."""
 
-import http.client
 import json
-import time
 
 import pytest
 
@@ -11,7 +9,7 @@ from clast.editor.checking import check
 from clast.editor.page import editor_text
 from clast.editor.section import lines_of, section_of
 from clast.editor.server import ViewServer
-from scenes.edited import edited_file, rock_text
+from scenes.edited import asked, edited_file, rock_text, until
 
 SLOPE = TEMPLATES["slope"]
 
@@ -23,23 +21,9 @@ def path(tmp_path):
     return path
 
 
-def until(condition):
-    end = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-def asked(server, way, **body):
+def told(server, way, body=None):
     """Return the answer to a request of a window, JSON."""
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
-    content = json.dumps({"version": server.document.version, **body}) if body else None
-    headers = {"Authorization": f"Bearer {server.token}", "Window": "w"}
-    connection.request("POST" if body else "GET", way, content, headers)
-    answer = connection.getresponse()
-    found = json.loads(answer.read())
-    connection.close()
-    return found
+    return json.loads(asked(server.address, way, body, Window="w")[2])
 
 
 @pytest.mark.parametrize("way", ["/edit", "/text", "/write", "/start", "/take-over", "/undo"])
@@ -47,7 +31,8 @@ def test_nothing_is_changed_by_a_window_that_looks_on(path, way):
     change = {"do": "set", "place": ["title"], "toml": "'other'"}
     with edited_file(path, ViewServer) as server:
         server.looks("w", 1)
-        refused = asked(server, way, text="title = 'other'", edits=[change])["refused"]
+        body = {"version": 0, "text": "title = 'other'", "edits": [change]}
+        refused = told(server, way, body)["refused"]
     assert "edited in another window" in refused or "is only shown here" in refused
     assert path.read_text("utf-8") == SLOPE
     assert [one.name for one in path.parent.iterdir()] == ["slope.toml"]
@@ -61,7 +46,7 @@ def test_a_value_that_is_set_is_shown_and_not_written(path):
     with edited_file(path, ViewServer, settings=values) as server:
         until(lambda: server.state()["checked"])
         assert server.state()["faults"] == []
-        shown = asked(server, "/section")
+        shown = told(server, "/section")
     assert (shown["title"], shown["blocks"]) == ("S", 23)
     assert path.read_text("utf-8") == text
 
@@ -72,10 +57,10 @@ def test_a_file_that_the_case_names_is_looked_at_too(path, tmp_path):
     path.write_text(f'{rock_text(8, 4)}[[trace]]\nfile = "traces.csv"\n', "utf-8")
     with edited_file(path, ViewServer) as server:
         until(lambda: server.state()["checked"])
-        before = asked(server, "/section")["blocks"]
+        before = told(server, "/section")["blocks"]
         traces.write_text("x1,y1,x2,y2\n0,1,8,1\n0,2,8,2.1\n", "utf-8")
         until(lambda: server.state()["checked"] and server.state()["blocks"] != before)
-        assert asked(server, "/section")["blocks"] > before
+        assert told(server, "/section")["blocks"] > before
 
 
 @pytest.mark.parametrize("name", sorted(TEMPLATES))

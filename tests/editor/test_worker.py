@@ -13,7 +13,7 @@ from clast.editor import worker
 from clast.editor.checking import check
 from clast.editor.section import section_of
 from clast.editor.server import Asked
-from scenes.edited import edited_file, rock_text
+from scenes.edited import edited_file, rock_text, until
 
 SLOPE = TEMPLATES["slope"]
 SPACING = ("joint_set", 0, "spacing")
@@ -30,13 +30,6 @@ def served(tmp_path):
             return windows.enter_context(edited_file(path))
 
         yield open_text
-
-
-def until(condition):
-    end = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.005)
 
 
 def checked(server):

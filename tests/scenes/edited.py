@@ -1,6 +1,9 @@
 """A case file in the editor, with the server of its window."""
 
+import http.client
+import json
 import threading
+import time
 from contextlib import contextmanager
 
 from clast.editor.server import EditServer
@@ -24,6 +27,27 @@ def edited_file(path, kind=EditServer, **more):
     for one in threads:
         one.join()
     server.server_close()
+
+
+def until(condition, seconds=120.0):
+    """Wait until a condition holds."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def asked(address, path, body=None, **headers):
+    """Return status, headers and text of an answer of the editor at an address."""
+    place, _, token = address.removeprefix("http://").partition("/#token=")
+    connection = http.client.HTTPConnection(place, timeout=60)
+    content = None if body is None else json.dumps(body)
+    headers = {"Authorization": f"Bearer {token}", **headers}
+    connection.request("GET" if body is None else "POST", path, content, headers)
+    answer = connection.getresponse()
+    found = answer.status, answer.headers, answer.read().decode()
+    connection.close()
+    return found
 
 
 def rock_text(width, height):

@@ -51,13 +51,16 @@ class Checked:
         """Whether there is no more to find."""
         return self.model is None or self.summary is not None
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return it for JSON; ``place`` has keys and positions from 0, lines count from 1."""
+    def as_dict(self, places: Places | None = None) -> dict[str, Any]:
+        """Return it for JSON; ``place`` has keys and positions from 0, lines count from 1.
+
+        ``places`` are those of the text, where they are known.
+        """
         summary, model = self.summary, self.model
         warnings = summary.warnings if summary else ()
         notes = summary.notes if summary else ()
-        is_placed = self.content and (self.faults or warnings or notes)
-        places = places_of(self.text) if is_placed else None
+        if places is None and self.content and (self.faults or warnings or notes):
+            places = places_of(self.text)
         told = [self._told(one, one.what, one.remedy, places) for one in self.faults]
         return {
             "file": self.file,

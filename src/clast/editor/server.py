@@ -271,7 +271,8 @@ class ViewServer(EditServer):
 
     def take_over(self, window: str) -> None:
         """Refuse a window that would edit: raises CaseError."""
-        raise CaseError("is only shown here", where=self.document.path.name, remedy="clast edit")
+        name = self.document.path.name
+        raise CaseError("is only shown here", where=name, remedy=f"clast edit {name} edits it")
 
 
 class EditHandler(Handler):
@@ -400,7 +401,7 @@ class EditHandler(Handler):
 
 def _shown(document: Document, worker: Worker) -> dict[str, Any]:
     """Return a document as a window shows it; ``content`` is None where its text is not TOML."""
-    content, literals, spans, file = None, {}, [], str(document.path)
+    content, literals, spans, places, file = None, {}, [], None, str(document.path)
     with suppress(CaseError):
         values, places = document.read
         content, spans = _plain(values), list(places.spans())
@@ -417,7 +418,7 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
         where = trouble.where.removeprefix(f"{file}: ") if trouble else ""
         faults = trouble.faults if trouble else ()
         shown = content or {}
-        said = Checked(document.text, file, content=shown, faults=faults, where=where).as_dict()
+        said = Checked(document.text, file, shown, faults, where).as_dict(places)
     return {
         "checked": False,
         **said,

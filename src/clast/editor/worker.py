@@ -64,7 +64,7 @@ class Worker:
         if not self.is_busy and any(
             stamp_of(Path(name)) != (stamp and tuple(stamp)) for name, stamp in named
         ):
-            self._is_asked = True
+            self._given = None
 
     def stop(self) -> None:
         """End the check that goes on."""

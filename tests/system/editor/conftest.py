@@ -1,9 +1,12 @@
 """A browser for the windows of cases, and pages of it that say nothing and ask nobody else."""
 
+from contextlib import ExitStack
+
 import pytest
 
 from clast.case.templates import TEMPLATES
 from clast.editor.checking import check
+from clast.editor.server import EditServer
 from scenes.browsers import CHROMIUM, until
 from scenes.edited import edited_file
 from scenes.hands import Hand
@@ -37,25 +40,34 @@ def opened(browser):
 
 
 @pytest.fixture
-def drawing(opened, tmp_path):
+def window(opened, tmp_path):
+    """Return a function that opens a text in a file; it gives page, file and server."""
+    with ExitStack() as ends:
+
+        def open_text(text, name="case.toml", kind=EditServer):
+            file = tmp_path / name
+            file.write_text(text, "utf-8", newline="")
+            # kernels are compiled before the window is waited for
+            check(text or TEMPLATES["slope"], str(file))
+            server = ends.enter_context(edited_file(file, kind))
+            page = opened(server)
+            ends.callback(page.close)
+            page.wait_for_selector("body[data-ready]")
+            return page, file, server
+
+        yield open_text
+
+
+@pytest.fixture
+def drawing(window):
     """Return a function that opens a text as case.toml; it gives the hand in its window."""
-    windows = []
 
     def open_text(text):
-        path = tmp_path / "case.toml"
-        path.write_text(text, "utf-8", newline="")
-        check(text or TEMPLATES["slope"], str(path))  # kernels are compiled before the window waits
-        serving = edited_file(path)
-        page = opened(serving.__enter__())
-        windows.append((page, serving))
-        page.wait_for_selector("body[data-ready]")
+        page, _, _ = window(text)
         if not text:
             page.wait_for_selector("#start[open]")
             page.keyboard.press("Escape")  # begins with nothing at all
         until(page, "clastEditor.section.origin !== null && clastEditor.state.sections > 0")
         return Hand(page)
 
-    yield open_text
-    for page, serving in windows:
-        page.close()
-        serving.__exit__(None, None, None)
+    return open_text

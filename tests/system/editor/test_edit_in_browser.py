@@ -7,30 +7,14 @@ import pytest
 from clast.case.case_file import json_schema
 from clast.case.templates import TEMPLATES
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 
 
 @pytest.fixture
-def window(opened, tmp_path):
-    """Return a function that opens a template."""
-    windows = []
-
-    def open_template(name):
-        file = tmp_path / f"{name}.toml"
-        file.write_text(TEMPLATES[name], "utf-8", newline="")
-        serving = edited_file(file)
-        server = serving.__enter__()
-        page = opened(server)
-        windows.append((page, serving))
-        page.wait_for_selector("body[data-ready]")
-        return page, file
-
-    yield open_template
-    for page, serving in windows:
-        page.close()
-        serving.__exit__(None, None, None)
+def template(window):
+    """Return a function that opens a template; it gives page and file."""
+    return lambda name: window(TEMPLATES[name], f"{name}.toml")[:2]
 
 
 def table(page, *place):
@@ -47,8 +31,8 @@ def saved(page, file, text):
     assert file.read_bytes().decode() == text
 
 
-def test_a_value_is_changed_marked_mended_and_undone(window):
-    page, file = window("slope")
+def test_a_value_is_changed_marked_mended_and_undone(template):
+    page, file = template("slope")
     old = TEMPLATES["slope"]
     table(page, "joint", "bedding")
     friction = field(page, "Joint.friction_angle")
@@ -82,8 +66,8 @@ def test_a_value_is_changed_marked_mended_and_undone(window):
     saved(page, file, old.replace("friction_angle = 38.0 ", "friction_angle = 5.5 "))
 
 
-def test_units_are_understood_and_other_texts_are_marked(window):
-    page, file = window("slope")
+def test_units_are_understood_and_other_texts_are_marked(template):
+    page, file = template("slope")
     table(page, "rock", "sandstone")
     young = field(page, "Rock.young")
     young.fill("20 GPa")
@@ -98,8 +82,8 @@ def test_units_are_understood_and_other_texts_are_marked(window):
     assert "density = 2.7e3" in page.input_value("#text")
 
 
-def test_names_are_chosen_from_those_there_are_and_follow(window):
-    page, file = window("slope")
+def test_names_are_chosen_from_those_there_are_and_follow(template):
+    page, file = template("slope")
     table(page, "joint_set", 0)
     page.locator('[data-key="JointSetTable.joint"] select').select_option(label="default")
     until(page, 'clastEditor.state.content.joint_set[0].joint === "default"')
@@ -115,8 +99,8 @@ def test_names_are_chosen_from_those_there_are_and_follow(window):
     saved(page, file, TEMPLATES["slope"])
 
 
-def test_tables_are_added_and_removed(window):
-    page, file = window("slope")
+def test_tables_are_added_and_removed(template):
+    page, file = template("slope")
     page.select_option(".add-table", "measured_point")
     until(page, "clastEditor.state.content.measured_point.length === 2")
     until(page, "document.querySelector('nav [aria-current]').textContent.trim().startsWith('2')")
@@ -126,8 +110,8 @@ def test_tables_are_added_and_removed(window):
     saved(page, file, TEMPLATES["slope"])
 
 
-def test_a_slider_moves_the_value_as_one_step(window):
-    page, file = window("slope")
+def test_a_slider_moves_the_value_as_one_step(template):
+    page, file = template("slope")
     table(page, "joint_set", 1)
     slider = page.locator('input[aria-label="angle slider"]')
     slider.focus()
@@ -139,8 +123,8 @@ def test_a_slider_moves_the_value_as_one_step(window):
     assert page.is_disabled("#undo")
 
 
-def test_the_text_is_typed_and_a_change_by_others_appears(window):
-    page, file = window("slope")
+def test_the_text_is_typed_and_a_change_by_others_appears(template):
+    page, file = template("slope")
     page.click("#toml summary")
     page.fill("#text", TEMPLATES["slope"].replace("38.0", "38.0 ]"))
     until(page, "clastEditor.state.faults[0]?.line === 29")
@@ -154,8 +138,8 @@ def test_the_text_is_typed_and_a_change_by_others_appears(window):
     assert field(page, "Joint.friction_angle").input_value() == "31.0"
 
 
-def test_a_text_with_faults_is_saved_on_the_users_word(window):
-    page, file = window("slope")
+def test_a_text_with_faults_is_saved_on_the_users_word(template):
+    page, file = template("slope")
     table(page, "joint", "bedding")
     assert page.is_hidden("#write")
     field(page, "Joint.friction_angle").fill("95.0")
@@ -180,8 +164,8 @@ def settled(page):
     until(page, "!clastEditor.hand.isBusy && !clastEditor.hand.waiting.length")
 
 
-def test_a_key_in_place_of_another_brings_those_that_go_with_it(window):
-    page, file = window("slope")
+def test_a_key_in_place_of_another_brings_those_that_go_with_it(template):
+    page, file = template("slope")
     table(page, "joint_set", 0)
     turn = row(page, "JointSetTable.angle").locator("select.instead")
     turn.select_option("dip")
@@ -198,8 +182,8 @@ def test_a_key_in_place_of_another_brings_those_that_go_with_it(window):
     saved(page, file, TEMPLATES["slope"])
 
 
-def test_a_law_or_a_shape_brings_its_keys_and_takes_others_away(window):
-    page, file = window("lined-tunnel")
+def test_a_law_or_a_shape_brings_its_keys_and_takes_others_away(template):
+    page, file = template("lined-tunnel")
     name = page.evaluate("Object.keys(clastEditor.state.content.joint)[0]")
     table(page, "joint", name)
     row(page, "Joint.law").locator("select").select_option(label="barton-bandis")
@@ -221,8 +205,8 @@ def test_a_law_or_a_shape_brings_its_keys_and_takes_others_away(window):
     saved(page, file, TEMPLATES["lined-tunnel"])
 
 
-def test_an_entry_is_moved_and_duplicated(window):
-    page, file = window("slope")
+def test_an_entry_is_moved_and_duplicated(template):
+    page, file = template("slope")
     table(page, "joint_set", 1)
     names = [one["name"] for one in content(page, "joint_set")]
     page.click(".form button >> text=/^up$/")
@@ -237,8 +221,8 @@ def test_an_entry_is_moved_and_duplicated(window):
     assert content(page, "joint_set", 2) == content(page, "joint_set", 1)
 
 
-def test_what_others_name_is_removed_as_somebody_chooses(window):
-    page, file = window("slope")
+def test_what_others_name_is_removed_as_somebody_chooses(template):
+    page, file = template("slope")
     old = TEMPLATES["slope"]
     table(page, "joint", "bedding")
     page.click(".form >> text=remove")
@@ -263,8 +247,8 @@ def test_what_others_name_is_removed_as_somebody_chooses(window):
     until(page, "!clastEditor.state.content.measured_point?.length")
 
 
-def test_a_key_of_other_words_is_renamed_on_request_only(window):
-    page, file = window("slope")
+def test_a_key_of_other_words_is_renamed_on_request_only(template):
+    page, file = template("slope")
     wrong = TEMPLATES["slope"].replace("friction_angle = 38.0", "jfric = 38.0")
     file.write_text(wrong, "utf-8")
     until(page, "clastEditor.state.faults.length > 0")
@@ -274,8 +258,8 @@ def test_a_key_of_other_words_is_renamed_on_request_only(window):
     saved(page, file, TEMPLATES["slope"])
 
 
-def test_a_second_window_looks_on_until_it_takes_over(window, browser):
-    page, file = window("slope")
+def test_a_second_window_looks_on_until_it_takes_over(template, browser):
+    page, file = template("slope")
     until(page, "clastEditor.state.leads !== ''")
     second = browser.new_page()
     second.goto(page.url)
@@ -399,8 +383,8 @@ WITH_OTHERS = {
 """Keys that a case takes only beside others, which this walk does not give."""
 
 
-def test_every_key_of_the_schema_is_in_a_form_and_takes_a_value(window):
-    page, _ = window("incline")
+def test_every_key_of_the_schema_is_in_a_form_and_takes_a_value(template):
+    page, _ = template("incline")
     seen, entered = page.evaluate(REACH)
     seen = set(seen)
     assert {key for key, value in entered.items() if not value} == WITH_OTHERS

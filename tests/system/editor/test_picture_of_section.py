@@ -11,7 +11,6 @@ import shapely
 from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
@@ -26,24 +25,15 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture
-def window(opened, tmp_path):
-    """Return a function that opens a case."""
-    ends = []
+def drawn(window):
+    """Return a function that opens a case and waits for its blocks; it gives the page."""
 
     def open_text(text):
-        path = tmp_path / "slope.toml"
-        path.write_text(text, "utf-8", newline="")
-        serving = edited_file(path)
-        page = opened(serving.__enter__())
-        ends.append((page, serving))
-        page.wait_for_selector("body[data-ready]")
+        page = window(text, "slope.toml")[0]
         until(page, "clastEditor.section.run !== null")
         return page
 
-    yield open_text
-    for page, serving in ends:
-        page.close()
-        serving.__exit__(None, None, None)
+    return open_text
 
 
 def angles_of(block):
@@ -60,8 +50,8 @@ def blocks_of(text):
     return [shapely.Polygon(model.vertices[first:past] + model.origin) for first, past in parts]
 
 
-def test_a_block_tells_edges_and_smallest_angle(window):
-    page = window(SLOPE + SHARP)
+def test_a_block_tells_edges_and_smallest_angle(drawn):
+    page = drawn(SLOPE + SHARP)
     blocks = blocks_of(SLOPE + SHARP)
     shapes = page.evaluate(
         """() => {
@@ -104,8 +94,8 @@ def colours(page):
 
 
 @pytest.mark.parametrize(("layer", "colour"), [("Slivers", "d81b60"), ("Marks of notes", "1f6fb4")])
-def test_slivers_and_marks_are_switched(window, layer, colour):
-    page = window(SLOPE + SHARP)
+def test_slivers_and_marks_are_switched(drawn, layer, colour):
+    page = drawn(SLOPE + SHARP)
     until(page, "clastEditor.section.marks.some(({ kind, at }) => kind === 'note' && at.length)")
     red, green, blue = bytes.fromhex(colour)
     number = 0xFF000000 | blue << 16 | green << 8 | red
@@ -117,8 +107,8 @@ def test_slivers_and_marks_are_switched(window, layer, colour):
     assert number in colours(page)
 
 
-def test_pictures_show_the_section_its_title_and_legend(window, tmp_path):
-    page = window(SLOPE)
+def test_pictures_show_the_section_its_title_and_legend(drawn, tmp_path):
+    page = drawn(SLOPE)
     page.evaluate("clastEditor.goTo(['bolt', 2, 'start'])")
     page.click("summary >> text=Picture")
     with page.expect_download() as saved:
@@ -143,8 +133,8 @@ def test_pictures_show_the_section_its_title_and_legend(window, tmp_path):
     assert page.evaluate("clastEditor.section.place") == ["bolt", 2]
 
 
-def test_the_chosen_fills_the_view(window):
-    page = window(SLOPE)
+def test_the_chosen_fills_the_view(drawn):
+    page = drawn(SLOPE)
     page.evaluate("clastEditor.goTo(['bolt', 2, 'start'])")
     page.focus("#section canvas[tabindex]")
     page.keyboard.press("z")

@@ -8,32 +8,10 @@ import pytest
 from clast.case.templates import TEMPLATES
 from clast.results import read_results
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
 SHOWN = "clastEditor.runs.shown"
-
-
-@pytest.fixture
-def window(opened, tmp_path):
-    """Return a function that opens a text, with its page and server."""
-    windows = []
-
-    def open_text(text):
-        file = tmp_path / "case.toml"
-        file.write_text(text, "utf-8", newline="")
-        serving = edited_file(file)
-        server = serving.__enter__()
-        page = opened(server)
-        windows.append((page, serving))
-        page.wait_for_selector("body[data-ready]")
-        return page, file, server
-
-    yield open_text
-    for page, serving in windows:
-        page.close()
-        serving.__exit__(None, None, None)
 
 
 def over(page):

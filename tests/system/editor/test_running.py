@@ -1,6 +1,5 @@
 """Runs of a case that is edited: what they run on, how they end, and that nothing of them stays."""
 
-import http.client
 import json
 import os
 import signal
@@ -11,29 +10,9 @@ import pytest
 from clast.case.templates import TEMPLATES
 from clast.editor.running import Runs, StudyAsked
 from clast.errors import CaseError
-from scenes.edited import edited_file
+from scenes.edited import asked, edited_file, until
 
 LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
-
-
-def until(condition):
-    end = time.monotonic() + 60
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.05)
-
-
-def asked(address, path, body=None):
-    """Return status, headers and text of an answer of the editor at an address."""
-    place, _, token = address.removeprefix("http://").partition("/#token=")
-    connection = http.client.HTTPConnection(place, timeout=20)
-    content = None if body is None else json.dumps(body)
-    headers = {"Authorization": f"Bearer {token}"}
-    connection.request("GET" if body is None else "POST", path, content, headers)
-    answer = connection.getresponse()
-    found = answer.status, answer.headers, answer.read().decode()
-    connection.close()
-    return found
 
 
 @pytest.fixture

@@ -3,26 +3,18 @@
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
 
 
 @pytest.fixture
-def window(opened, tmp_path):
+def slope(window):
     """Return the window of the slope, and its file."""
-    path = tmp_path / "slope.toml"
-    path.write_text(SLOPE, "utf-8", newline="")
-    check(SLOPE, str(path))  # kernels are compiled before the window is waited for
-    with edited_file(path) as server:
-        page = opened(server)
-        until(page, "globalThis.clastEditor?.section.run?.blockCount === 23")
-        until(page, "clastEditor.state.checked")
-        yield page, path
-        page.close()
+    page, path, _ = window(SLOPE, "slope.toml")
+    until(page, "clastEditor.section.run?.blockCount === 23 && clastEditor.state.checked")
+    return page, path
 
 
 def colour_above(page, point):
@@ -39,8 +31,8 @@ def colour_above(page, point):
     )
 
 
-def test_the_section_follows_a_field(window):
-    page, _ = window
+def test_the_section_follows_a_field(slope):
+    page, _ = slope
     page.evaluate("clastEditor.goTo(['joint_set', 0, 'spacing'])")
     field = page.locator('[data-place=\'["joint_set",0,"spacing"]\'] input[type=text]').first
     field.fill("7")
@@ -49,8 +41,8 @@ def test_the_section_follows_a_field(window):
     until(page, "clastEditor.section.run.blockCount === 23")
 
 
-def test_a_fault_is_marked_and_the_mark_leads_to_its_field(window):
-    page, path = window
+def test_a_fault_is_marked_and_the_mark_leads_to_its_field(slope):
+    page, path = slope
     path.write_text(SLOPE.replace("at = [16.8, 23.8]", "at = [29.0, 20.0]"), "utf-8")
     until(page, "clastEditor.section.marks.some(({ kind }) => kind === 'fault')")
     assert colour_above(page, (29.0, 20.0)) == [0xD3, 0x2F, 0x2F]
@@ -60,8 +52,8 @@ def test_a_fault_is_marked_and_the_mark_leads_to_its_field(window):
     assert page.evaluate("clastEditor.state.chosen") == ["measured_point", 0]
 
 
-def test_a_table_that_is_chosen_is_lit_in_the_section(window):
-    page, _ = window
+def test_a_table_that_is_chosen_is_lit_in_the_section(slope):
+    page, _ = slope
     middle = (7.0, 21.0)  # of the first part of the water line
     before = colour_above(page, middle)
     page.evaluate("clastEditor.goTo(['water', 0, 'line'])")
@@ -71,8 +63,8 @@ def test_a_table_that_is_chosen_is_lit_in_the_section(window):
     assert colour_above(page, middle) == before
 
 
-def test_lines_follow_a_slider_until_the_blocks_are_there(window):
-    page, _ = window
+def test_lines_follow_a_slider_until_the_blocks_are_there(slope):
+    page, _ = slope
     wider = {"do": "set", "place": ["joint_set", 0, "spacing"], "toml": "7.0"}
     page.evaluate("(wider) => clastEditor.hand.move([wider], 'slide')", wider)
     until(page, "clastEditor.section.moving.length > 3")

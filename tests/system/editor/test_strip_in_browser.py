@@ -6,7 +6,6 @@ from clast.block import polygon
 from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 GONE = """(() => { const { run, state } = clastEditor.section;
@@ -16,15 +15,11 @@ FIRST = "settled,heading,bolts,bench,shotcrete,earthquake"
 
 
 @pytest.fixture
-def window(opened, tmp_path):
+def tunnel(window):
     """Return the page of the template of a lined tunnel, its blocks drawn, and the file."""
-    file = tmp_path / "tunnel.toml"
-    file.write_text(TEMPLATES["lined-tunnel"], "utf-8", newline="")
-    with edited_file(file) as server:
-        page = opened(server)
-        until(page, "globalThis.clastEditor?.section.run?.frameCount === 7")
-        yield page, file
-        page.close()
+    page, file, _ = window(TEMPLATES["lined-tunnel"], "tunnel.toml")
+    until(page, "clastEditor.section.run?.frameCount === 7")
+    return page, file
 
 
 def stage(page, number):
@@ -35,8 +30,8 @@ def named(page, names):
     until(page, f"{NAMES} === '{names}'")
 
 
-def test_a_stage_shows_what_is_there_by_then(window):
-    page, _ = window
+def test_a_stage_shows_what_is_there_by_then(tunnel):
+    page, _ = tunnel
     lined, heading = page.evaluate(GONE), {}
     assert page.text_content("#strip [aria-current] b") == "start"
     for number in (1, 2, 4, 5):
@@ -56,8 +51,8 @@ def test_a_stage_shows_what_is_there_by_then(window):
     assert page.text_content("#strip li:nth-child(6) small") == "lining shotcrete"
 
 
-def test_count_smallest_block_and_edge_are_in_sight(window):
-    page, _ = window
+def test_count_smallest_block_and_edge_are_in_sight(tunnel):
+    page, _ = tunnel
     model = Case.from_text(TEMPLATES["lined-tunnel"], "case.toml").model()
     area, _, _ = polygon.moments(model.vertices, model.block_start)
     _, edges = polygon.edges(model.vertices, model.block_start)
@@ -67,8 +62,8 @@ def test_count_smallest_block_and_edge_are_in_sight(window):
     until(page, f"document.getElementById('saved').textContent.includes('{told}')")
 
 
-def test_stages_are_added_moved_named_and_taken_away(window):
-    page, file = window
+def test_stages_are_added_moved_named_and_taken_away(tunnel):
+    page, file = tunnel
     stage(page, 3)
     page.click("#strip [data-tool=add]")
     named(page, FIRST.replace("bench", "stage 7,bench"))
@@ -95,8 +90,8 @@ def test_stages_are_added_moved_named_and_taken_away(window):
     assert file.read_text("utf-8") == TEMPLATES["lined-tunnel"]
 
 
-def test_openings_are_dug_where_they_are_chosen(window):
-    page, _ = window
+def test_openings_are_dug_where_they_are_chosen(tunnel):
+    page, _ = tunnel
     stage(page, 4)
     assert page.locator("#strip [data-tool=excavate]").count() == 0  # all are dug
     page.click("#strip [data-tool=remove]")

@@ -6,7 +6,6 @@ import pytest
 
 from clast.case.templates import TEMPLATES
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
@@ -14,16 +13,11 @@ LINES = SLOPE.split("\n")
 
 
 @pytest.fixture
-def page(opened, tmp_path):
+def page(window):
     """Return the window of the slope with its text open."""
-    path = tmp_path / "slope.toml"
-    path.write_text(SLOPE, "utf-8", newline="")
-    with edited_file(path) as server:
-        page = opened(server)
-        page.wait_for_selector("body[data-ready]")
-        page.click("#toml summary")
-        yield page
-        page.close()
+    page = window(SLOPE, "slope.toml")[0]
+    page.click("#toml summary")
+    return page
 
 
 def marked(page):

@@ -3,38 +3,27 @@
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from clast.editor.server import ViewServer
 from scenes.browsers import CHROMIUM, until
-from scenes.edited import edited_file
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 SLOPE = TEMPLATES["slope"]
 
 
 @pytest.fixture
-def window(opened, tmp_path):
-    """Return a function that opens a text in a file."""
-    ends = []
-    check(SLOPE, "slope.toml")  # kernels are compiled before the window is waited for
+def view(window):
+    """Return a function that opens a text beside a text editor; it gives page and file."""
 
     def open_text(text):
-        path = tmp_path / "case.toml"
-        path.write_text(text, "utf-8", newline="")
-        serving = edited_file(path, ViewServer)
-        page = opened(serving.__enter__())
-        ends.append((page, serving))
-        until(page, "globalThis.clastEditor?.state.sections > 0 && clastEditor.section.origin")
+        page, path, _ = window(text, kind=ViewServer)
+        until(page, "clastEditor.state.sections > 0 && clastEditor.section.origin")
         return page, path
 
-    yield open_text
-    for page, serving in ends:
-        page.close()
-        serving.__exit__(None, None, None)
+    return open_text
 
 
-def test_blocks_follow_the_file_and_the_view_stays(window):
-    page, path = window(SLOPE)
+def test_blocks_follow_the_file_and_the_view_stays(view):
+    page, path = view(SLOPE)
     until(page, "clastEditor.section.run?.blockCount === 23")
     assert not page.is_visible(".wait")
     assert "a text editor edits this case" in page.inner_text("#saved")
@@ -49,8 +38,8 @@ def test_blocks_follow_the_file_and_the_view_stays(window):
     assert path.read_text("utf-8") == SLOPE.replace("spacing = 3.5", "spacing = 7.0")
 
 
-def test_a_fault_stands_at_its_line_and_goes(window):
-    page, path = window(SLOPE)
+def test_a_fault_stands_at_its_line_and_goes(view):
+    page, path = view(SLOPE)
     until(page, "clastEditor.section.run?.blockCount === 23")
     wrong = SLOPE.replace("at = [16.8, 23.8]", "at = [29.0, 20.0]")
     path.write_text(wrong, "utf-8")
@@ -66,8 +55,8 @@ def test_a_fault_stands_at_its_line_and_goes(window):
     until(page, "document.querySelector('.old').hidden")
 
 
-def test_an_entry_brings_its_mark_into_sight_and_its_line(window):
-    page, _ = window(SLOPE)
+def test_an_entry_brings_its_mark_into_sight_and_its_line(view):
+    page, _ = view(SLOPE)
     until(page, "clastEditor.section.marks.some((one) => one.what.startsWith('cut: '))")
     note = page.evaluate(
         "clastEditor.section.marks.find((one) => one.what.startsWith('cut: ')).at[0]"
@@ -79,8 +68,8 @@ def test_an_entry_brings_its_mark_into_sight_and_its_line(window):
     assert 0 < x < 1400 and 0 < y < 900
 
 
-def test_a_case_that_is_broken_from_the_start_shows_its_lines(window):
-    page, path = window(SLOPE.replace("spacing = 3.5", "spacing = -3.5"))
+def test_a_case_that_is_broken_from_the_start_shows_its_lines(view):
+    page, path = view(SLOPE.replace("spacing = 3.5", "spacing = -3.5"))
     until(page, "document.querySelector('#faults .fault') !== null")
     assert page.evaluate("clastEditor.section.lines.length") > 3
     assert page.evaluate("clastEditor.section.run") is None
@@ -88,12 +77,12 @@ def test_a_case_that_is_broken_from_the_start_shows_its_lines(window):
     until(page, "clastEditor.section.run?.blockCount === 23")
 
 
-def test_names_in_a_case_are_text(window):
+def test_names_in_a_case_are_text(view):
     evil = '<img src=x onerror="document.title=1">'
     text = SLOPE.replace('name = "crest"', f"name = '{evil}'").replace(
         "at = [16.8, 23.8]", "at = [99.0, 20.0]"
     )
-    page, _ = window(text)
+    page, _ = view(text)
     until(page, "document.querySelector('#faults .fault') !== null")
     assert evil in page.inner_text("#faults .fault")
     assert page.query_selector("#faults img") is None
