@@ -57,6 +57,9 @@ def test_axe_finds_nothing_in_any_part(window, scheme, tmp_path):
     page.fill("#search", "joint")
     assert findings(page) == []
     page.press("#search", "Escape")
+    page.click(".form >> text=reference")
+    assert findings(page) == []
+    page.keyboard.press("Escape")
     page.click("summary >> text=Underlay")
     page.fill(".under input[name=file]", "slope.toml")
     page.click(".under form button")

@@ -8,6 +8,7 @@ import { Tools } from "./draw.js";
 import { offerPictures } from "./picture.js";
 import { offerSearch } from "./search.js";
 import { offerStarts } from "./start.js";
+import { offerReference } from "./reference.js";
 import { TextPane } from "./text.js";
 import { Underlays } from "./underlay.js";
 
@@ -21,7 +22,7 @@ const TEXT_EDITOR = "text editor";
 /** Leads where no window edits. */
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, runs = null, strip = null;
+let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, refer = null, runs = null, strip = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers, body: body && JSON.stringify(body) });
@@ -48,7 +49,7 @@ function draw() {
   document.body.dataset.looks = state.looks_on ? "on" : "";
   $("take-over").hidden = !state.looks_on || state.leads === TEXT_EDITOR;
   $("text").readOnly = state.looks_on;
-  showForms($("forms"), { ...state, hand, choose });
+  showForms($("forms"), { ...state, hand, choose, refer: (...at) => (refer ??= offerReference($("reference"), state))(...at) });
   $("undo").disabled = !state.undo[0];
   $("redo").disabled = !state.undo[1];
   const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;

@@ -1,4 +1,5 @@
 /** Forms of a case, made from its schema: rows are patched where values change, never made anew. */
+import { factsOf } from "./reference.js";
 import { variants, kindOf, formOf, tablesOf, isTable, isPlain, blank, toml, numberFrom, unitOf } from "./values.js";
 const { html, render, useState, useRef } = htmPreact;
 
@@ -97,7 +98,7 @@ function Chosen({ ctx, place }) {
   const [top, entry] = place, one = top === undefined ? ctx.schema : ctx.schema.properties[top], value = at(ctx.content, place);
   if (top === undefined) {
     const plain = Object.fromEntries(Object.entries(one.properties).filter(([, inner]) => !tablesOf(ctx.schema, inner) || variants(ctx.schema, inner).some((form) => kindOf(form) === "choice")));
-    return html`<h2>case</h2><${Rows} ctx=${ctx} place=${[]} node=${{ ...one, properties: plain, owner: "Case" }} value=${ctx.content} known=${one.properties} />`;
+    return html`<h2>case</h2><p class="row"><button onClick=${() => ctx.refer("")}>reference</button></p><${Rows} ctx=${ctx} place=${[]} node=${{ ...one, properties: plain, owner: "Case" }} value=${ctx.content} known=${one.properties} />`;
   }
   const kind = one && tablesOf(ctx.schema, one);
   const inner = kind === "list" && entry !== undefined ? variants(ctx.schema, one).find((form) => kindOf(form) === "list").items
@@ -120,7 +121,7 @@ function Chosen({ ctx, place }) {
       ${entry !== undefined && html`<button onClick=${copy}>duplicate</button>`}
       ${entry > 0 && html`<button onClick=${() => move(entry - 1)}>up</button>`}
       ${entry < ctx.content[top].length - 1 && html`<button onClick=${() => move(entry + 1)}>down</button>`}
-      <button onClick=${askFirst}>remove</button></p>
+      <button onClick=${askFirst}>remove</button> <button onClick=${() => ctx.refer(top)}>reference</button></p>
     ${isAsked && html`<${Removal} ctx=${ctx} table=${top} name=${name} named=${named} remove=${remove} keep=${() => ask(false)} />`}
     <${Faults} ctx=${ctx} place=${place} />
     ${!isGroup && html`<${Value} ctx=${ctx} place=${place} one=${inner ?? {}} value=${value} isOpen=${true} />`}`;
@@ -235,7 +236,7 @@ function Row({ ctx, place, one, value, isNeeded, owner, instead = [], turn, foll
     <small>${unitOf(one)}</small>
     ${one.description && html`<button class="what" aria-expanded=${isOpen} aria-label=${`What ${name} means`} onClick=${() => open(!isOpen)}>?</button>`}
     ${value !== undefined && !isNeeded && html`<button class="drop" aria-label=${`Leave ${name} out`} onClick=${leave}>×</button>`}
-    ${isOpen && html`<p class="help">${one.description}${one.default !== undefined && one.default !== null ? ` Default: ${toml(one.default)}.` : ""}</p>`}
+    ${isOpen && html`<p class="help">${one.description} (${factsOf(ctx.schema, one, isNeeded)}) <button class="link" onClick=${() => ctx.refer(place[0], `${owner}.${name}`)}>${name} in the reference</button></p>`}
     <${Faults} ctx=${ctx} place=${place} />
   </div>`;
 }
