@@ -1,6 +1,7 @@
 /** Drawing in the section: tools, snaps, typed points, and handles of the table that is chosen. */
 import { drawAxes } from "../../pictures/page/script/axes.js";
-import { baseOf, crossing, partOf, plain, pointText, shapesOf, shapeOf, sidesOf } from "./handles.js";
+import { outline } from "../../pictures/page/script/draw_canvas.js";
+import { baseOf, crossing, partOf, plain, pointText, shapesOf, shapeOf, sidesOf, withSurface } from "./handles.js";
 import { digitsAt, gridStep, rounded, snapped, typed } from "./snaps.js";
 import { drawArrow, drawHeld, drawSlope, drawStress, stressAt } from "./signs.js";
 import { editsOf, roundedExtent, taken, toolsOf } from "./choices.js";
@@ -93,8 +94,8 @@ export class Tools {
 
   /** The largest of all forces and of all pressures, N and Pa: their arrows are the longest. */
   largest() {
-    const of = (table, key) => (this.state.content[table] ?? []).map((one) => Math.hypot(...[one[key] ?? 0].flat())).filter(Number.isFinite);
-    return { force: Math.max(0, ...of("point_load", "force"), ...of("line_load", "traction")) || FORCE, pressure: Math.max(0, ...of("pressure", "value")) || FORCE };
+    const of = (table, key, size) => (this.state.content[table] ?? []).map((one) => size(...[one[key] ?? 0].flat().map(Math.abs))).filter(Number.isFinite);
+    return { force: Math.max(0, ...of("point_load", "force", Math.hypot), ...of("line_load", "traction", Math.hypot)) || FORCE, pressure: Math.max(0, ...of("pressure", "value", Math.max)) || FORCE };
   }
 
   holds(at) {
@@ -220,7 +221,7 @@ export class Tools {
     // a middle that is dragged becomes a point first
     held.isWaiting = true;
     const point = { ...handle, isMiddle: false, of: (to) => [[handle.place, to]] };
-    this.hand.edit([{ do: "insert", place: handle.place, toml: pointText(held.to.at) }], held.gesture).then((isDone) => {
+    this.hand.edit(withSurface(this.state.content, { do: "insert", place: handle.place, toml: pointText(held.to.at) }), held.gesture).then((isDone) => {
       Object.assign(held, { handle: point, isWaiting: false });
       if (isDone) this.move(point, held.to, held); // which may have been let go meanwhile
     });
@@ -276,7 +277,7 @@ export class Tools {
     if (this.isDrawing) return this.end();
     const at = this.world(x, y), near = NEAR / this.section.view.scale;
     const side = this.handles.filter((one) => one.isMiddle).find((one) => distance(one.side, at) < near);
-    if (side) this.hand.edit([{ do: "insert", place: side.place, toml: pointText(this.meant(x, y, key(side.place.slice(0, -2))).at) }]);
+    if (side) this.hand.edit(withSurface(this.state.content, { do: "insert", place: side.place, toml: pointText(this.meant(x, y, key(side.place.slice(0, -2))).at) }));
   }
 
   // --- what is drawn -------------------------------------------------------------------------
@@ -417,7 +418,7 @@ export class Tools {
     if (handle && typeof handle.item === "number") {
       if (handle.count <= handle.least) return this.tell(`an outline or line needs ${handle.least} points`);
       this.grip = "";
-      return this.hand.edit([{ do: "remove", place: handle.place }]).then(() => this.tell());
+      return this.hand.edit(withSurface(this.state.content, { do: "remove", place: handle.place })).then(() => this.tell());
     }
     if (!handle && this.chosen.length) this.hand.edit([{ do: "remove", place: chosen }]).then((isDone) => isDone && this.choose([]));
   }
@@ -432,6 +433,7 @@ export class Tools {
     if (!run || section.showsFile) drawAxes(pen, { run: { scene: { origin } }, view, theme });
     if (section.showsFile || !run) drawSlope(pen, this.state.content, (point) => section.screen(point), theme);
     drawHeld(pen, this.state.content, (point) => section.screen(point), theme.ink);
+    if (run && !section.showsFile) this.drawAwaited(pen);
     const chosen = new Set(this.chosen);
     for (const shape of this.shapes) if (!chosen.has(shape)) this.drawShape(pen, shape, theme.ink, 1.2, Boolean(section.showsFile) || !run);
   }
@@ -444,6 +446,14 @@ export class Tools {
     if (!this.isDrawing) for (const handle of this.handles) this.drawHandle(pen, handle);
     if (this.isDrawing) this.drawPreview(pen);
     if (this.pointer?.snap) this.write(pen, this.pointer.at, this.pointer.snap);
+  }
+
+  /** Draw linings as thick as they will be, which come with a later stage. */
+  drawAwaited(pen) {
+    const { run, view, state: { frame }, theme } = this.section;
+    const awaited = [...run.lined].filter((block) => run.isAwaited(frame, block)).map((block) => outline(run, view, run.start, block)).filter(Boolean);
+    pen.areas(awaited, `${theme.paper}b0`);
+    pen.lines(awaited.map((path) => [...path, path[0], path[1]]), theme.ink, 1, [3, 2]);
   }
 
   drawGrid(pen) {

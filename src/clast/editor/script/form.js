@@ -1,5 +1,7 @@
 /** Forms of a case, made from its schema: rows are patched where values change, never made anew. */
+import { Curve } from "./curve.js";
 import { factsOf } from "./reference.js";
+import { withSurface } from "./handles.js";
 import { variants, kindOf, formOf, tablesOf, isTable, isPlain, blank, toml, numberFrom, unitOf } from "./values.js";
 const { html, render, useState, useRef } = htmPreact;
 
@@ -124,6 +126,7 @@ function Chosen({ ctx, place }) {
       <button onClick=${askFirst}>remove</button> <button onClick=${() => ctx.refer(top)}>reference</button></p>
     ${isAsked && html`<${Removal} ctx=${ctx} table=${top} name=${name} named=${named} remove=${remove} keep=${() => ask(false)} />`}
     <${Faults} ctx=${ctx} place=${place} />
+    ${top === "amplitude" && html`<${Curve} ctx=${ctx} name=${entry} />`}
     ${!isGroup && html`<${Value} ctx=${ctx} place=${place} one=${inner ?? {}} value=${value} isOpen=${true} />`}`;
 }
 
@@ -237,6 +240,7 @@ function Row({ ctx, place, one, value, isNeeded, owner, instead = [], turn, foll
     ${one.description && html`<button class="what" aria-expanded=${isOpen} aria-label=${`What ${name} means`} onClick=${() => open(!isOpen)}>?</button>`}
     ${value !== undefined && !isNeeded && html`<button class="drop" aria-label=${`Leave ${name} out`} onClick=${leave}>×</button>`}
     ${isOpen && html`<p class="help">${one.description} (${factsOf(ctx.schema, one, isNeeded)}) <button class="link" onClick=${() => ctx.refer(place[0], `${owner}.${name}`)}>${name} in the reference</button></p>`}
+    ${typeof value === "string" && one["x-clast"]?.refers_to?.includes("amplitude") && html`<${Curve} ctx=${ctx} name=${value} />`}
     <${Faults} ctx=${ctx} place=${place} />
   </div>`;
 }
@@ -343,8 +347,8 @@ function List(props) {
   const { ctx, place, node, value = [] } = props, one = node.items ?? {};
   const fresh = () => toml(value.length ? value.at(-1) : blank(ctx.schema, { ...variants(ctx.schema, one)[0], "x-clast": one["x-clast"] ?? node["x-clast"] }, (inner) => nameFor(ctx, inner)));
   return html`<ol class="list">${value.map((_, i) => html`<li key=${i}><${Value} ...${itemOf(props, one, i)} />
-      <button class="drop" aria-label=${`Remove ${i + 1}`} onClick=${() => ctx.hand.edit([{ do: "remove", place: [...place, i] }])}>×</button><${Faults} ctx=${ctx} place=${[...place, i]} /></li>`)}
-    <li><button onClick=${() => ctx.hand.edit([{ do: "insert", place: [...place, value.length], toml: fresh() }])}>add</button></li></ol>`;
+      <button class="drop" aria-label=${`Remove ${i + 1}`} onClick=${() => ctx.hand.edit(withSurface(ctx.content, { do: "remove", place: [...place, i] }))}>×</button><${Faults} ctx=${ctx} place=${[...place, i]} /></li>`)}
+    <li><button onClick=${() => ctx.hand.edit(withSurface(ctx.content, { do: "insert", place: [...place, value.length], toml: fresh() }))}>add</button></li></ol>`;
 }
 
 function Named({ ctx, place, node, value = {} }) {

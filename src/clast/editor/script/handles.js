@@ -1,9 +1,11 @@
 /** What the tables of a case are in the section, from its schema: lines to draw, and handles to drag. */
-import { variants, kindOf, isTable } from "./values.js";
+import { variants, kindOf, isTable, toml } from "./values.js";
 
 const RAD = Math.PI / 180;
 const PARALLELS = 4;
 /** Lines on either side of the one that a joint set begins with. */
+const ARROWS = 4;
+/** Parts of the line of a pressure between its arrows. */
 
 export const isPoint = (value) => Array.isArray(value) && value.length === 2 && value.every(Number.isFinite);
 export const isPoints = (value) => Array.isArray(value) && value.length > 0 && value.every(isPoint);
@@ -115,6 +117,14 @@ export function crossing(line) {
   return null;
 }
 
+/** An edit that adds or removes an item of a list; of a profile of a rockfall its surface comes or goes with the point. */
+export function withSurface({ rockfall: { profile, surface } = {} }, edit) {
+  const { place: [table, key, i] } = edit, count = surface?.length;
+  if (table !== "rockfall" || key !== "profile" || !(count > 1) || count !== profile.length - 1) return [edit];
+  const isNew = edit.do === "insert", k = Math.min(i, isNew ? count : count - 1);
+  return [edit, { do: edit.do, place: [table, "surface", k], toml: isNew ? toml(surface[Math.max(0, k - 1)]) : "" }];
+}
+
 // --- shapes --------------------------------------------------------------------------------------
 
 /** Where a size or direction of a table begins, and what else its handle needs; null where it is nowhere. */
@@ -179,6 +189,8 @@ export function shapeOf(content, node, value, place, seen) {
         if (geometry === "pressure") shape.arrows.push([extent.at(held, at, from.seen), at]);
       }
       add(tip, { place: at, what: name, of: ofExtent, from: from.base });
+    } else if (geometry === "pressure" && isPoint(held) && isPoint(value.end)) {
+      addVarying(shape, value, held, at, baseOf(content, node, value, name, seen).seen);
     } else if (isPoints(held)) addLine(shape, held, geometry === "polygon", at, one);
   }
   const round = corners(value), { wide } = seen;
@@ -190,6 +202,17 @@ export function shapeOf(content, node, value, place, seen) {
   }
   shape.lines.push(...parallels(content, node, value, seen));
   return shape;
+}
+
+/** A pressure that varies along its line: arrows as long as it is, and a handle for each end. */
+function addVarying(shape, { start, end }, held, at, seen) {
+  const { at: tail, of } = EXTENTS.pressure, along = ([a, b], share) => a + share * (b - a);
+  const arrows = Array.from({ length: ARROWS + 1 }, (_, k) => k / ARROWS).map((share) => {
+    const foot = [0, 1].map((k) => along([start[k], end[k]], share));
+    return [tail(along(held, share), foot, seen), foot];
+  });
+  shape.arrows.push(...arrows);
+  for (const [i, [from, foot]] of [arrows[0], arrows.at(-1)].entries()) shape.handles.push({ at: from, place: [...at, i], what: `value ${i + 1}`, from: foot, of: (point) => [[[...at, i], of(point, foot, seen)]] });
 }
 
 function addLine(shape, points, closed, at, one) {

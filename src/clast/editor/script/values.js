@@ -46,7 +46,8 @@ export const isTable = (value) => typeof value === "object" && value !== null &&
 export function formOf(schema, forms, value) {
   if (value === undefined) return forms.find((form) => isPlain(form)) ?? forms[0];
   const like = { number: "number", string: "text", boolean: "yes" }[typeof value] ?? (Array.isArray(value) ? "list" : "table");
-  return forms.find((form) => fits(schema, form, value)) ?? forms.find((form) => kindOf(form) === like) ?? forms[0];
+  const knows = (form) => isTable(value) && kindOf(form) === "table" && Object.keys(value).every((key) => key in form.properties);
+  return forms.find((form) => fits(schema, form, value)) ?? forms.find(knows) ?? forms.find((form) => kindOf(form) === like) ?? forms[0];
 }
 
 /** Whether a key holds tables of its own: "one", "list" or "named"; null for plain values. */
