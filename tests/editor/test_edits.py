@@ -6,8 +6,8 @@ import pytest
 
 from clast.case.templates import TEMPLATES
 from clast.editor.edits import Edit, edited
-from clast.editor.places import places_of
 from clast.errors import CaseError
+from clast.inputs.declaring.positions import places_of
 from scenes.odd_toml import ODD, at, changed_and_back, places, written
 from scenes.places import ROOT
 

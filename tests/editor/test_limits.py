@@ -6,8 +6,8 @@ import time
 
 import pytest
 
+from clast.case.checking import checking
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import checking
 from clast.editor.section import section_of
 from clast.editor.server import Asked
 from clast.editor.worker import as_json

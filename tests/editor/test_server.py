@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
+from clast.case.checking import check
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from clast.editor.page import editor_text
 from clast.editor.server import BYTES_MAX
 from scenes.edited import edited_file, until
@@ -62,8 +62,8 @@ WRONG = [
     ({"Origin": "null"}, 403),
 ]
 READ = ["/case", "/news", "/section", "/underlays"]
-READ += ["/ran", "/scene", "/page", "/events?from=0"]
-WRITE = ["/edit", "/text", "/undo", "/save", "/write", "/begin", "/underlays", "/picture"]
+READ += ["/ran", "/scene", "/page", "/events?from=0", "/under?a.png"]
+WRITE = ["/edit", "/text", "/undo", "/save", "/write", "/begin", "/underlays"]
 WRITE += ["/start", "/stop", "/look", "/do"]
 
 
@@ -91,10 +91,11 @@ def test_no_other_file_is_read(served):
 @pytest.mark.parametrize("file", ["/etc/passwd", "../slope.toml", "slope.toml", ""])
 def test_underlays_are_files_of_the_case_that_are_pictures(served, tmp_path, file):
     body = {"underlays": [{"file": file}]}
-    assert ask(served, "/picture", body)[0] == 409
-    assert ask(served, "/underlays", body)[0] == (200 if file == "slope.toml" else 409)
+    for name in (file, f"{file}.png"):
+        assert [*json.loads(ask(served, f"/under?{name}")[1])] == ["trouble"]
+    answer = json.loads(ask(served, "/underlays", body)[1])
+    assert ("refused" in answer) == (file != "slope.toml")
     assert (tmp_path / "slope.edit.json").exists() == (file == "slope.toml")
-    assert ask(served, "/picture", {"underlays": []})[0] == 409
     assert ask(served, "/underlays", {"underlays": [{"file": "a", "opacity": 2}]})[0] == 400
 
 
@@ -274,3 +275,34 @@ def test_a_second_window_looks_on_and_takes_over(served):
     served.looks("second", -1)  # it has gone: the first may again
     assert served.leads == ""
     assert "refused" not in post("first")
+
+
+def test_only_the_window_that_edits_leads_the_run(served, monkeypatch):
+    orders = []
+    monkeypatch.setattr(served, "order", orders.append)
+    served.looks("first", 1)
+    served.looks("second", 1)
+    for window, status in (("first", 200), ("second", 409), ("", 409)):
+        assert ask(served, "/do", {"do": "pause"}, Window=window)[0] == status
+    assert orders == ["pause"]
+
+
+def test_files_under_the_section_are_followed(served, tmp_path):
+    lines = tmp_path / "lines.csv"
+    lines.write_text("x1,y1,x2,y2\n0,1,8,1\n", "utf-8")
+    body = {"underlays": [{"file": "lines.csv"}]}
+
+    def count():
+        return len(json.loads(ask(served, "/under?lines.csv")[1])["lines"])
+
+    before = json.loads(ask(served, "/underlays", body)[1])
+    until(lambda: json.loads(served.news())["under"] == before["under"])
+    assert count() == 1
+    lines.write_text("x1,y1,x2,y2\n0,1,8,1\n0,2,8,2.1\n", "utf-8")
+    until(lambda: json.loads(served.news())["under"] != before["under"])
+    assert count() == 2
+    lines.unlink()
+    until(lambda: json.loads(served.news())["under"][1] is None)
+    assert "there is no such file" in ask(served, "/under?lines.csv")[1]
+    (tmp_path / "slope.edit.json").unlink()
+    until(lambda: json.loads(served.news())["under"] == [None])

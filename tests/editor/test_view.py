@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from clast.case.checking import check
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from clast.editor.page import editor_text
 from clast.editor.section import lines_of, section_of
 from clast.editor.server import ViewServer

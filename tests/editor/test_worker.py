@@ -8,9 +8,9 @@ from contextlib import ExitStack
 
 import pytest
 
+from clast.case.checking import check
 from clast.case.templates import TEMPLATES
 from clast.editor import worker
-from clast.editor.checking import check
 from clast.editor.section import section_of
 from clast.editor.server import Asked
 from scenes.edited import edited_file, rock_text, until

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from clast.editor.edits import Edit, edited
-from clast.editor.places import places_of
 from clast.errors import Place
+from clast.inputs.declaring.positions import places_of
 
 ODD = (
     r"""# Of a hand that likes variety.

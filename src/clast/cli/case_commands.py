@@ -250,7 +250,7 @@ def check(
 
 def _watch(case: Path, settings: Iterable[str], show: Callable[[dict[str, Any]], None]) -> None:
     """Show what is found in a case at each change of it, until the key is pressed."""
-    from clast.editor.checking import checks
+    from clast.case.checking import checks
     from clast.run.progress import compilation_told
 
     with suppress(KeyboardInterrupt), compilation_told(say):

@@ -10,14 +10,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from clast.case.case_file import Case
 from clast.editor.edits import Edit, edited
-from clast.editor.places import Places, places_of
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.positions import Places, places_of
 from clast.rockmass.drawings.drawing_files import replaced
 
 STEPS_MAX = 1000
@@ -59,7 +60,7 @@ class Document:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.filed = "" if begins(path) else _text_of(path)
+        self.filed = "" if begins(path) else case_text.read_exact(path)
         """Content of the file as far as is known."""
         self.text = self.filed
         self.version = 0
@@ -68,30 +69,20 @@ class Document:
         """Content that another program gave the file while the text here was not in it."""
         self._done: list[Step] = []
         self._undone: list[Step] = []
-        self._judged: tuple[str, CaseError | None] | None = None
-        self._read: tuple[str, dict[str, Any], Places] | None = None
 
-    @property
+    @cached_property
     def trouble(self) -> CaseError | None:
         """Why the text is no case; None where clast takes it."""
-        if self._judged is None or self._judged[0] != self.text:
-            self._judged = (self.text, self._judge())
-        return self._judged[1]
-
-    def _judge(self) -> CaseError | None:
         try:
             Case.from_text(self.text, str(self.path))
         except CaseError as error:
             return error
         return None
 
-    @property
+    @cached_property
     def read(self) -> tuple[dict[str, Any], Places]:
         """The values of the text, and where they stand; raises CaseError where it is not TOML."""
-        if self._read is None or self._read[0] != self.text:
-            content = case_text.parse(self.text, str(self.path))
-            self._read = (self.text, content, places_of(self.text))
-        return self._read[1:]
+        return case_text.parse(self.text, str(self.path)), places_of(self.text)
 
     @property
     def unsaved(self) -> bool:
@@ -155,6 +146,8 @@ class Document:
     def _show(self, text: str) -> None:
         self.text = text
         self.version += 1
+        for of_text in ("trouble", "read"):
+            vars(self).pop(of_text, None)
 
     # --- the file -----------------------------------------------------------------------------
 
@@ -163,7 +156,7 @@ class Document:
 
         Raises CaseError where the file cannot be read; the text stays then.
         """
-        found = "" if not self.filed and begins(self.path) else _text_of(self.path)
+        found = "" if not self.filed and begins(self.path) else case_text.read_exact(self.path)
         if found in (self.filed, self.text):
             self.filed, self.conflict = found, None
         elif self.unsaved:
@@ -217,13 +210,3 @@ def _shared(one: str, other: str) -> int:
     """Return how many characters two texts have in common at their beginning."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((at for at, (a, b) in pairs if a != b), min(len(one), len(other)))
-
-
-def _text_of(path: Path) -> str:
-    """Return the text of a file with its ends of lines; raises CaseError where it has none."""
-    content = case_text.read_bytes(path, "")
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError as error:
-        what = f"is not a text file (byte {error.start})"
-        raise CaseError(what, where=str(path), remedy="a case file is TOML in UTF-8") from None

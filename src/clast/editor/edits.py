@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from clast.editor.places import BLANK, SPACE, Places, Section, Written, places_of
 from clast.errors import CaseError, Place
 from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.positions import BLANK, SPACE, Places, Section, Written, places_of
 
 COMMA = re.compile(BLANK.pattern + ",")
 COMMENT = re.compile(r"[ \t]*(?:#[^\n]*)?(?=\r?\n|$)")

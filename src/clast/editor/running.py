@@ -24,7 +24,6 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from itertools import islice
-from math import inf
 from pathlib import Path
 from typing import Any, Literal
 
@@ -33,7 +32,6 @@ from pydantic import BaseModel, ConfigDict
 from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
-from clast.study.description import COLLAPSE, ROCKFALL
 from clast.study.folder import StudyFolder
 from clast.study.trial_table import columns, row
 
@@ -43,8 +41,8 @@ END_WITHIN = 20.0
 """Time that a process gets to end when the editor does, s."""
 LOG, LOG_MOST = "log.txt", 8_000
 """File of the messages, and how many of their characters a window shows."""
-MISSED, REFUSED, STOPPED, INTERRUPTED = 1, 2, 3, 130
-"""Exit codes of commands."""
+ENDS = {2: "was refused", 3: "could not go on", 130: "was ended"}
+"""Exit codes of commands that have not said what they have found."""
 STUDIES = {
     "fos": ("by", "tolerance"),
     "sweep": ("vary", "measure", "fail"),
@@ -78,7 +76,7 @@ class Child:
     def __init__(self, folder: Path, case: Path) -> None:
         self.folder, self.case = folder, case
         self.number = int(folder.name)
-        self.feed = Feed(case.with_suffix(".vtkhdf"))
+        self.feed, self.study = Feed(case.with_suffix(".vtkhdf")), case.with_name("study")
         self.process: subprocess.Popen[bytes] | None = None
         self.asked_to_end = False
         self.table: dict[str, Any] | None = None
@@ -89,16 +87,12 @@ class Child:
     @property
     def text(self) -> str:
         """The text that ran; "" where it is gone."""
-        with suppress(OSError):
-            return self.case.read_bytes().decode("utf-8", "replace")
-        return ""
+        return _read(self.case)
 
     @property
     def command(self) -> str:
         """The command as one would type it, and its messages."""
-        with suppress(OSError):
-            return (self.folder / LOG).read_text("utf-8", "replace")
-        return ""
+        return _read(self.folder / LOG)
 
     @property
     def kind(self) -> str:
@@ -108,7 +102,7 @@ class Child:
     @property
     def report(self) -> Path | None:
         """The page of a study that is over."""
-        pages = (self.case.with_name("study") / name for name in ("paths.html", "report.html"))
+        pages = (self.study / name for name in ("paths.html", "report.html"))
         return next((page for page in pages if page.exists()), None)
 
     @property
@@ -172,7 +166,7 @@ class Child:
         """Read what a study has found; return how long not to look again, s."""
         begun = time.monotonic()
         with suppress(CaseError, OSError):
-            self.table = table_of(StudyFolder.opened(self.case.with_name("study")))
+            self.table = table_of(StudyFolder.opened(self.study))
         return 1.0 + 20.0 * (time.monotonic() - begun)
 
     def _hear(self, said: Any) -> None:
@@ -185,17 +179,15 @@ class Child:
         """How it ended, in words; "" while it goes on."""
         if not self.is_over:
             return ""
+        if self.feed.report is not None:
+            return self.feed.report.outcome
         code = self.process.returncode if self.process is not None else 0
-        report = self.feed.report
-        if report is not None:
-            return report.outcome
         if code < 0:
-            name = signal.Signals(-code).name
-            return f"was killed by {name}: it ended without a report"
-        words = {REFUSED: "was refused", STOPPED: "could not go on", INTERRUPTED: "was ended"}
+            return f"was killed by {signal.Signals(-code).name}: it ended without a report"
+        if code > 1:
+            return ENDS.get(code, f"ended with exit code {code}")
         told = [one.strip() for one in self.command.splitlines() if SENTENCE.match(one)]
-        words |= dict.fromkeys((0, MISSED), (told or ["is over"])[-1])
-        return words.get(code, f"ended with exit code {code}")
+        return told[-1] if told else "is over"
 
     def as_dict(self) -> dict[str, Any]:
         """Return it for a window."""
@@ -248,26 +240,20 @@ class Runs:
         Without them it is that which the case is for.  Raises CaseError where one is going on, and
         where the text is no case.
         """
-        if self.shown is not None and not self.shown.is_over:
-            raise CaseError("is going on", where=self._name, remedy="end it, or wait for it")
+        self._check_over()
         case = Case.from_text(text, str(self.path))
-        is_rockfall = case.rockfall is not None
         child = self._copied(case, text)
-        name = child.case.name
-        if words:
-            words = [*words, name, "-o", "study"]
-        elif is_rockfall:
-            words = ["rockfall", name, "-o", "study"]
-        else:
-            words = ["run", name, "-o", child.feed.path.name]
-        child.start(words)
+        words = words or ["run" if case.rockfall is None else "rockfall"]
+        results = child.feed.path if words[0] == "run" else child.study
+        child.start([*words, child.case.name, "-o", results.name])
         self.shown = child
         self._following = threading.Thread(target=child.follow, args=(self.changed,))
         self._following.start()
 
-    @property
-    def _name(self) -> str:
-        return f"run {self.shown.number}" if self.shown is not None else "the run"
+    def _check_over(self) -> None:
+        if self.shown is not None and not self.shown.is_over:
+            where, remedy = f"run {self.shown.number}", "end it, or wait for it"
+            raise CaseError("is going on", where=where, remedy=remedy)
 
     def _copied(self, case: Case, text: str) -> Child:
         """Return the place of a run, with the case and the files that it names in it."""
@@ -292,8 +278,7 @@ class Runs:
 
     def show(self, number: int) -> None:
         """Show an earlier one; raises CaseError where there is none, and while one is going on."""
-        if self.shown is not None and not self.shown.is_over:
-            raise CaseError("is going on", where=self._name, remedy="end it, or wait for it")
+        self._check_over()
         folder = self.folder / str(number)
         cases = sorted(folder.glob(f"**/{self.path.name}"))
         if not cases:
@@ -336,16 +321,14 @@ class Runs:
 
 def table_of(there: StudyFolder) -> dict[str, Any]:
     """Return heads and rows of the results of a study, of which there may be more to come."""
-    results = islice(there.results(), ROWS_MOST)
-    if there.study.kind == COLLAPSE:
-        heads = ["factor", "verdict", "displacement", "steps"]
-        rows = [[one["trial"][name] for name in heads] for one in results]
-    elif there.study.kind == ROCKFALL:
-        heads = ["run", "status"]
-        rows = [[one[name] for name in heads] for one in results]
-    else:
-        heads = columns(there.study)
-        rows = [row(there.study, one) for one in results]
-    # JSON knows no other numbers
-    known = [[None if one in (inf, -inf) or one != one else one for one in some] for some in rows]
-    return {"heads": heads, "rows": known}
+    rows = [row(there.study, one) for one in islice(there.results(), ROWS_MOST)]
+    # JSON knows no numbers without end
+    known = json.loads(json.dumps(rows), parse_constant=lambda _: None)
+    return {"heads": columns(there.study), "rows": known}
+
+
+def _read(path: Path) -> str:
+    """Return the text of a file, "" where it cannot be read."""
+    with suppress(OSError):
+        return path.read_bytes().decode("utf-8", "replace")
+    return ""

@@ -15,7 +15,7 @@ from clast.actions.bolts import Bolting
 from clast.actions.linings import linings_of
 from clast.actions.relaxation import no_forces
 from clast.case.case_file import Case
-from clast.editor.checking import Checked
+from clast.case.checking import Checked
 from clast.errors import Place
 from clast.inputs.declaring.annotations import geometry_of
 from clast.inputs.declaring.places import points_of

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import threading
 import time
 from collections import Counter
@@ -12,11 +11,12 @@ from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from clast.case.case_file import Case, json_schema
-from clast.editor.checking import Checked
+from clast.case.checking import Checked
 from clast.editor.document import Document, OutOfStep
 from clast.editor.edits import Edit
 from clast.editor.page import editor_text
@@ -25,19 +25,18 @@ from clast.editor.starting import started, templates
 from clast.editor.underlay import (
     PICTURE_ENDINGS,
     Underlays,
-    beside,
     drawn,
-    files_beside,
     keep,
     picture,
-    underlays_of,
+    shown_under,
+    stamps_under,
 )
 from clast.editor.worker import Worker, as_json
 from clast.errors import CaseError
 from clast.inputs.declaring.validation_messages import UDEC
 from clast.pictures.live.feed import Feed
 from clast.pictures.live.guarded import GuardedServer
-from clast.pictures.live.server import Handler
+from clast.pictures.live.server import JSON, PAGE, Handler
 
 REST, LOOK = 0.3, 0.5
 """The file gets the text when the hand has rested so long, and is looked at so often, s."""
@@ -49,8 +48,6 @@ BYTES_MAX = 5_000_000
 """Greatest length of a text from a window."""
 TEXT_EDITOR = "text editor"
 """Leads where all windows look on."""
-OF_RUN = ("/run", "/scene", "/page", "/events")
-"""Paths of the page of a run, which the window shows within it."""
 
 
 class NoSuchRequest(LookupError):
@@ -85,8 +82,7 @@ class EditServer(GuardedServer):
         """The window that edits, others look on; "" for the one that asks first."""
         self._touched = 0.0
         self._state = (-1, "")
-        self._drawings: dict[str, tuple[int, dict[str, Any]]] = {}
-        """Lines of the drawings under the section, and the stamp of their file."""
+        self._under = stamps_under(path)
         super().__init__(at, EditHandler, threading.Condition(threading.RLock()))
         self.worker = Worker(str(path), self.changed, self._tell, settings)
         """Cuts and checks the text, with other values if these are set."""
@@ -185,6 +181,7 @@ class EditServer(GuardedServer):
                 "is_cutting": worker.is_busy,
                 "off": worker.off,
                 "leads": self.leads,
+                "under": self._under,
             }
 
     def news(self) -> str:
@@ -193,23 +190,6 @@ class EditServer(GuardedServer):
             if self._state[0] != self.stamp:
                 self._state = (self.stamp, as_json(self.state()))
             return self._state[1]
-
-    def underlays(self) -> dict[str, Any]:
-        """Return the drawings and pictures under the section, and the files that may be."""
-        case = self.document.path
-        kept, trouble = underlays_of(case)
-        drawings: dict[str, Any] = {}
-        for name in {one.file for one in kept.underlays}:
-            try:
-                stamp = beside(case, name).stat().st_mtime_ns
-                if name not in self._drawings or self._drawings[name][0] != stamp:
-                    is_picture = name.lower().endswith(PICTURE_ENDINGS)
-                    self._drawings[name] = stamp, {} if is_picture else drawn(case, name)
-                drawings[name] = self._drawings[name][1]
-            except CaseError as error:
-                drawings[name] = {"trouble": str(error)}
-        shown = {"drawings": drawings, "files": files_beside(case), "trouble": trouble}
-        return {**kept.model_dump(), **shown}
 
     def watch(self, stop: threading.Event) -> None:
         """Look at the file and save the text while the hand rests, until told to stop."""
@@ -221,6 +201,7 @@ class EditServer(GuardedServer):
                     looked = now
                     self._attempt(self.document.look)
                     self.worker.look()
+                    self._look_under()
                 if now - self._touched > REST:
                     self._attempt(self.document.save)
         with self.changed:
@@ -237,6 +218,12 @@ class EditServer(GuardedServer):
                     self.changed.wait(wait)
                     continue
             worker.check(text)
+
+    def _look_under(self) -> None:
+        """Tell windows where drawings and pictures under the section have changed."""
+        seen, self._under = self._under, stamps_under(self.document.path)
+        if seen != self._under:
+            self._tell()
 
     def _attempt(self, what: Callable[[], None]) -> None:
         """Look or save; windows are told the result."""
@@ -260,14 +247,7 @@ class ViewServer(EditServer):
 
     def __init__(self, at: tuple[str, int], path: Path, settings: Sequence[str] = ()) -> None:
         super().__init__(at, path, settings)
-        self.leads = TEXT_EDITOR
-
-    def looks(self, window: str, change: int) -> None:
-        """Let a window look on."""
-
-    def lets(self, window: str) -> bool:
-        """Return that no window edits."""
-        return False
+        self.looks(TEXT_EDITOR, 1)
 
     def take_over(self, window: str) -> None:
         """Refuse a window that would edit: raises CaseError."""
@@ -284,88 +264,82 @@ class EditHandler(Handler):
     page_at = "/run"
     stays = False
 
-    def do_GET(self) -> None:
-        """Answer with the window, the case, news of it, or the page of its run."""
-        if self.path.partition("?")[0] in OF_RUN:
-            super().do_GET()
-            return
-        if not self.is_from_here():
-            return
-        if self.path.startswith("/report?"):
-            self._report(self.path.partition("?")[2])
-            return
-        if self.path == "/":
-            self.send(HTTPStatus.OK, "text/html; charset=utf-8", editor_text(self._name))
-        elif self.path not in ("/case", "/news", "/section", "/underlays", "/ran"):
-            self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
-        elif self.has_token():
-            if self.path == "/news":
-                self.server.looks(self._window, 1)
-                self.stream(self._news)
-                self.server.looks(self._window, -1)
-            elif self.path == "/section":
-                self.send(HTTPStatus.OK, "application/json", self.server.worker.section)
-            elif self.path == "/underlays":
-                self.send(HTTPStatus.OK, "application/json", as_json(self.server.underlays()))
-            elif self.path == "/ran":
-                shown = self.server.runs.shown
-                text = as_json({"text": "" if shown is None else shown.text})
-                self.send(HTTPStatus.OK, "application/json", text)
-            else:
-                self._answer(schema=json_schema(), templates=templates(), udec=UDEC)
+    def pages(self) -> dict[str, Callable[[str], None]]:
+        """Return what answers without the token: a report, shown in a frame, has its secret."""
+        window = {"/": lambda _: self.send(HTTPStatus.OK, PAGE, editor_text(self._name))}
+        return {**super().pages(), **window, "/report": self._report}
+
+    def answers(self) -> dict[str, Callable[[str], None]]:
+        """Return what answers who has the token: the case, news of it, and what is drawn."""
+        return {
+            **super().answers(),
+            "/case": lambda _: self._answer(schema=json_schema(), templates=templates(), udec=UDEC),
+            "/news": lambda _: self._news(),
+            "/section": lambda _: self.send(HTTPStatus.OK, JSON, self.server.worker.section),
+            "/underlays": lambda _: self._underlays(),
+            "/under": lambda name: self._under(unquote(name)),
+            "/ran": lambda _: self._ran(),
+        }
 
     def do_POST(self) -> None:
         """Carry out a request of a window; answer with the case after it."""
-        if self.path == "/do":
-            super().do_POST()
-            return
-        body, window = self.posted(), self._window
+        body, server = self.posted(), self.server
         if body is None:
             return
         try:
             if self.path == "/take-over":
-                self.server.take_over(window)
-                self._answer()
-                return
-            if not self.server.lets(window) and self.path != "/picture":
+                server.take_over(self._window)
+            elif not server.lets(self._window):
                 what, remedy = "is edited in another window", "take over there, or look on here"
                 raise CaseError(what, where=self._name, remedy=remedy)
-            if self.path in ("/underlays", "/picture"):
-                self._underlay(Underlays.model_validate_json(body))
+            elif self.path == "/do":
+                self.order(body)
                 return
-            self.server.do(self.path, Asked.model_validate_json(body))
+            elif self.path == "/underlays":
+                keep(server.document.path, Underlays.model_validate_json(body))
+                self._underlays()
+                return
+            else:
+                server.do(self.path, Asked.model_validate_json(body))
         except NoSuchRequest:
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such request")
         except ValidationError:
             self.refuse(HTTPStatus.BAD_REQUEST, "this is no request of a window")
         except CaseError as error:
-            late = {"late": True} if isinstance(error, OutOfStep) else {}
-            self._answer(refused=str(error), **late)
+            if self.path == "/do":  # the page of a run knows no case
+                self.refuse(HTTPStatus.CONFLICT, str(error))
+            else:
+                self._answer(refused=str(error), late=isinstance(error, OutOfStep))
         else:
             # what moves shows its lines at once: blocks come when it rests
-            lines = {"lines": self.server.lines()} if self.path == "/move" else {}
-            self._answer(**lines)
+            self._answer(**({"lines": server.lines()} if self.path == "/move" else {}))
 
-    def _underlay(self, asked: Underlays) -> None:
-        """Keep the list of underlays, or send the picture of the first."""
-        case = self.server.document.path
+    def _underlays(self) -> None:
+        """Answer with what is under the section."""
+        self.send(HTTPStatus.OK, JSON, as_json(shown_under(self.server.document.path)))
+
+    def _ran(self) -> None:
+        """Answer with the text that ran."""
+        shown = self.server.runs.shown
+        self.send(HTTPStatus.OK, JSON, as_json({"text": "" if shown is None else shown.text}))
+
+    def _under(self, name: str) -> None:
+        """Answer with a picture under the section, lines of a drawing, or what is wrong with it."""
+        case, is_picture = self.server.document.path, name.lower().endswith(PICTURE_ENDINGS)
         try:
-            if self.path == "/underlays":
-                keep(case, asked)
-                self.send(HTTPStatus.OK, "application/json", as_json(self.server.underlays()))
-            else:
-                self.send(HTTPStatus.OK, *picture(case, asked.underlays[0].file))
-        except (CaseError, IndexError) as error:
-            self.refuse(HTTPStatus.CONFLICT, str(error))
+            found = picture(case, name) if is_picture else (JSON, as_json(drawn(case, name)))
+        except CaseError as error:
+            found = JSON, as_json({"trouble": str(error)})
+        self.send(HTTPStatus.OK, *found)
 
     def _report(self, secret: str) -> None:
         """Answer with the page of a study; a frame has no other way to show what it knows."""
-        shown = self.server.runs.shown
-        page = shown.report if shown is not None and self.server.runs.knows(secret) else None
+        runs = self.server.runs
+        page = runs.shown.report if runs.shown is not None and runs.knows(secret) else None
         if page is None:
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         else:
-            self.send(HTTPStatus.OK, "text/html; charset=utf-8", page.read_bytes())
+            self.send(HTTPStatus.OK, PAGE, page.read_bytes())
 
     @property
     def _window(self) -> str:
@@ -380,9 +354,14 @@ class EditHandler(Handler):
         """Answer with the content of a window, and more."""
         news = self.server.news()
         text = f"{news[:-1]},{as_json(more)[1:]}" if more else news
-        self.send(HTTPStatus.OK, "application/json", text)
+        self.send(HTTPStatus.OK, JSON, text)
 
     def _news(self) -> None:
+        self.server.looks(self._window, 1)
+        self.stream(self._send_news_of_case)
+        self.server.looks(self._window, -1)
+
+    def _send_news_of_case(self) -> None:
         server, seen = self.server, (-1, -1)
         while True:
             with server.changed:
@@ -404,7 +383,10 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
     content, literals, spans, places, file = None, {}, [], None, str(document.path)
     with suppress(CaseError):
         values, places = document.read
-        content, spans = _plain(values), list(places.spans())
+        # JSON has no dates, and no numbers without end
+        plain = json.dumps(values, default=str)
+        content = json.loads(plain, parse_constant=lambda number: str(float(number)))
+        spans = list(places.spans())
         literals = {
             json.dumps(place, ensure_ascii=False, separators=(",", ":")): raw
             for place, one in places.values.items()
@@ -432,18 +414,6 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
         "unsaved": document.unsaved,
         "conflict": document.conflict,
     }
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: dates, and numbers without end, as texts."""
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [_plain(inner) for inner in value]
-    is_odd = not isinstance(value, str | int | float) or not math.isfinite(
-        0 if isinstance(value, str) else value
-    )
-    return str(value) if is_odd else value
 
 
 def serve(server: EditServer, say: Callable[[str], None]) -> None:

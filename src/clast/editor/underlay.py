@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from clast.case.checking import Stamp, stamp_of
 from clast.errors import CaseError, shortened
 from clast.model.arrays import Floats
 from clast.rockmass.drawings.drawing_files import checked_file, replaced
@@ -74,6 +75,19 @@ def underlays_of(case: Path) -> tuple[Underlays, str]:
         return Underlays.model_validate_json(checked_file(path).read_bytes()), ""
     except (ValidationError, CaseError, OSError):
         return Underlays(), f"{path.name} is left unread: it is not a list of underlays"
+
+
+def stamps_under(case: Path) -> Stamp:
+    """Return the stamps of the list of underlays and of their files."""
+    names = (one.file for one in underlays_of(case)[0].underlays)
+    return stamp_of(case.with_suffix(ENDING)), *(stamp_of(case.parent / name) for name in names)
+
+
+def shown_under(case: Path) -> dict[str, Any]:
+    """Return the underlays of a case, stamps of their files, and the files that may be, as JSON."""
+    kept, trouble = underlays_of(case)
+    more = {"files": files_beside(case), "trouble": trouble, "under": stamps_under(case)}
+    return {**kept.model_dump(), **more}
 
 
 def keep(case: Path, underlays: Underlays) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from threading import Condition
 from typing import IO, Any
 
-from clast.editor.checking import checking, stamp_of
+from clast.case.checking import checking, stamp_of
 from clast.run.progress import compilation_told
 
 LIVE_MOST = 10_000

@@ -13,14 +13,20 @@ from typing import Any
 
 from clast.errors import CaseError
 from clast.rockmass.drawings.drawing_files import replaced, write_rows
-from clast.study.description import Description
+from clast.study.description import COLLAPSE, Description
 from clast.study.folder import StudyFolder
 
 CSV, PARQUET = "results.csv", "results.parquet"
+OF_TRIALS = ("factor", "verdict", "displacement", "steps")
 
 
 def columns(study: Description) -> list[str]:
-    """Return the names of the columns: run, status, parameters, measures, fails, reason."""
+    """Return the names of the columns: run, status, parameters, measures, fails, reason.
+
+    Those of a search for the factor of safety are of its trials.
+    """
+    if study.kind == COLLAPSE:
+        return list(OF_TRIALS)
     varied = [one.name for one in study.vary]
     measures = [f"measure.{name}" if name in varied else name for name in study.measure]
     fails = ["fails"] if study.fail else []
@@ -29,6 +35,8 @@ def columns(study: Description) -> list[str]:
 
 def row(study: Description, result: Mapping[str, Any]) -> list[Any]:
     """Return the row of a result; None where it has no value, also where a measure is nan."""
+    if study.kind == COLLAPSE:
+        return [result["trial"][name] for name in OF_TRIALS]
     varied = [result["parameters"].get(one.name) for one in study.vary]
     measures = [result.get("measures", {}).get(name) for name in study.measure]
     measures = [None if one != one else one for one in measures]

@@ -4,8 +4,8 @@ from contextlib import ExitStack
 
 import pytest
 
+from clast.case.checking import check
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from clast.editor.server import EditServer
 from scenes.browsers import CHROMIUM, until
 from scenes.edited import edited_file

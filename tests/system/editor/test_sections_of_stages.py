@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
+from clast.case.checking import check
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check
 from clast.editor.section import section_of
 from clast.pictures.page.scene import scene_of
 

@@ -161,4 +161,21 @@ def test_a_window_that_looks_on_lays_nothing_under(window, served, opened):
     assert not path.with_name("new.edit.json").exists()
     page.click("summary >> text=Underlay")
     add(page, "site.dxf")
+    until(other, "clastEditor.under.drawings['site.dxf']?.lines.length === 7")
     other.close()
+
+
+def test_files_that_change_on_disk_are_drawn_anew(window):
+    page, path = window
+    page.click("dialog >> text=an empty section")
+    page.click("summary >> text=Underlay")
+    lines = path.with_name("lines.csv")
+    lines.write_text("x1,y1,x2,y2\n0,0,8,0\n", "utf-8")
+    for file in ("lines.csv", "scan.png"):
+        add(page, file)
+    lines.write_text("x1,y1,x2,y2\n0,0,8,0\n0,2,8,3\n", "utf-8")
+    matplotlib.image.imsave(path.with_name("scan.png"), np.zeros((30, 90, 3), np.uint8))
+    until(page, "clastEditor.under.drawings['lines.csv'].lines.length === 2")
+    until(page, "clastEditor.under.images.get('scan.png')?.bitmap.width === 90")
+    lines.unlink()
+    page.locator(".under .fault", has_text="there is no such file").wait_for()

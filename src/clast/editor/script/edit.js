@@ -22,7 +22,7 @@ const TEXT_EDITOR = "text editor";
 /** Leads where no window edits. */
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
-let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, refer = null, runs = null, strip = null;
+let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, refer = null, runs = null, strip = null, under = null;
 
 async function fetched(path, body) {
   const answer = await fetch(path, { method: body ? "POST" : "GET", headers, body: body && JSON.stringify(body) });
@@ -31,7 +31,6 @@ async function fetched(path, body) {
 }
 
 const ask = async (path, body) => (await fetched(path, body)).json();
-const picture = async (file) => (await fetched("/picture", { underlays: [{ file }] })).blob();
 
 /** Show an answer, unless a newer one is shown. */
 function show(answer) {
@@ -76,6 +75,7 @@ function draw() {
   runs.draw();
   strip.draw();
   pane?.show();
+  under?.follow(state.under);
 }
 
 /** Draw the newest section. */
@@ -178,7 +178,7 @@ export async function main() {
     document.activeElement?.blur();
     if (e.shiftKey) hand.redo(); else hand.undo();
   });
-  const under = new Underlays(section, { ask, picture, state, hand, goTo });
+  under = new Underlays(section, { ask, fetched, state, hand, goTo });
   offerPictures(section, state);
   offerSearch($("search"), $("found"), { state, hand, choose, goTo });
   offerStarts($("start"), { state, hand, ask });

@@ -48,7 +48,7 @@ export class RunPanel {
     $("study-start").disabled = isOff;
     $("run").disabled = isOff;
     $("run").textContent = state.content.rockfall ? "Let rocks fall" : "Run";
-    for (const name of ["pause", "end"]) $(name).hidden = !goesOn;
+    for (const name of ["pause", "end"]) $(name).hidden = !goesOn || state.looks_on;
     $("pause").hidden ||= !shown.where.steps && !shown.where.paused;
     $("pause").textContent = shown?.where.paused ? "Go on" : "Pause";
     $("end").textContent = shown?.ending ? "Kill" : "End";

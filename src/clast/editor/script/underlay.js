@@ -64,10 +64,10 @@ function distance(path, x, y) {
   return least;
 }
 
-/** The underlays of a section; `ask` asks the server, `picture` too, for a blob; `state`, `hand` and `goTo` are the window's. */
+/** The underlays of a section; `ask` asks the server for JSON, `fetched` for an answer; `state`, `hand` and `goTo` are the window's. */
 export class Underlays {
   constructor(section, tools) {
-    Object.assign(this, { section, ...tools, list: [], drawings: {}, files: [], said: "", role: -1, turn: 0, last: Promise.resolve(), picking: null, images: new Map(), begun: new Map(), fields: new Map() });
+    Object.assign(this, { section, ...tools, list: [], drawings: {}, files: [], said: "", role: -1, turn: 0, last: Promise.resolve(), picking: null, images: new Map(), begun: new Map(), fields: new Map(), stamps: new Map() });
     this.roles = rolesOf(this.state.schema);
     const place = document.createElement("details");
     place.innerHTML = "<summary>Underlay</summary>";
@@ -102,14 +102,21 @@ export class Underlays {
       answer = await this.ask("/underlays").catch(() => null); // what is kept goes on
     }
     if (!answer || turn !== this.turn) return;
-    Object.assign(this, { list: answer.underlays, drawings: answer.drawings, files: answer.files, said: said || answer.trouble });
-    for (const { file } of this.list) if (this.isPicture(file) && !this.images.has(file)) await this.open(file);
+    Object.assign(this, { list: answer.underlays, files: answer.files, said: said || answer.trouble, seen: JSON.stringify(answer.under) });
+    for (const [i, { file }] of this.list.entries()) await this.open(file, String(answer.under[i + 1]));
     const { section } = this, first = this.points()[0];
     if (first && !section.origin) {
       section.origin = first;
       section.fit();
     }
     this.show();
+  }
+
+  /** Ask again where a file, or the list of them, is another than at the last answer. */
+  follow(stamps) {
+    const now = JSON.stringify(stamps);
+    if (this.seen && now !== this.seen && now !== this.followed) this.load();
+    this.followed = now;
   }
 
   keep(list = this.list) {
@@ -126,13 +133,21 @@ export class Underlays {
 
   isPicture(file) { return /\.(png|jpe?g)$/i.test(file); }
 
-  async open(file) {
-    this.images.set(file, null);
+  /** Get the lines or the picture of a file that is not here yet as its stamp says it is. */
+  async open(file, stamp) {
+    if (this.stamps.get(file) === stamp) return;
+    this.stamps.set(file, stamp);
     try {
-      const blob = await this.picture(file), reader = new FileReader();
+      const answer = await this.fetched(`/under?${encodeURIComponent(file)}`), isLines = answer.headers.get("Content-Type") === "application/json";
+      this.drawings[file] = isLines ? await answer.json() : {};
+      this.images.delete(file);
+      if (isLines) return;
+      const blob = await answer.blob(), reader = new FileReader();
       const url = await new Promise((done) => { reader.onload = () => done(reader.result); reader.readAsDataURL(blob); });
       this.images.set(file, { bitmap: await createImageBitmap(blob), url });
-    } catch (error) { this.said = `${file}: ${error.message}`; }
+    } catch (error) {
+      this.drawings[file] = { trouble: error.message };
+    }
   }
 
   // --- what is drawn ------------------------------------------------------------------------------
@@ -266,7 +281,7 @@ export class Underlays {
     return html`${drawing.trouble && html`<p class="fault">${drawing.trouble}</p>`}
       <p class="row">${box("shown")}${box("locked")}<label>opacity <input type="range" min="0.05" max="1" step="0.05" value=${one.opacity}
         onInput=${(e) => this.set(one, { opacity: Number(e.target.value) }, false)} onChange=${() => this.keep()} /></label>
-      <button onClick=${() => this.zoomTo(one)}>zoom to it</button><button onClick=${() => { for (const held of [this.images, this.fields, this.begun]) held.delete(one.file); this.picking = null; this.keep(this.list.filter((other) => other !== one)); }}>remove</button></p>
+      <button onClick=${() => this.zoomTo(one)}>zoom to it</button><button onClick=${() => { for (const held of [this.images, this.fields, this.begun, this.stamps]) held.delete(one.file); this.picking = null; this.keep(this.list.filter((other) => other !== one)); }}>remove</button></p>
       ${layers.map((layer, i) => html`<p class="row" key=${layer}><label><input type="checkbox" checked=${!one.hidden.includes(layer)} onChange=${() => this.set(one, { hidden: hide(layer) })} />
         <i class="patch" style=${{ background: COLOURS[i % COLOURS.length] }}></i> ${layer || "no layer"}</label>
         ${this.role >= 0 && !one.locked && html`<button onClick=${() => this.all(one, layer)}>take all</button>`}</p>`)}

@@ -35,6 +35,11 @@ def read_text(path: Path, advice: str = "") -> str:
     return _read(path, advice, partial(Path.read_text, path, encoding="utf-8"))
 
 
+def read_exact(path: Path) -> str:
+    """Return the text of a file with the ends of lines that it has, or say why it has none."""
+    return _read(path, "", lambda: path.read_bytes().decode("utf-8"))
+
+
 def read_bytes(path: Path, advice: str) -> bytes:
     """Return the content of a file that is not text, or say why it cannot be read."""
     return _read(path, advice, path.read_bytes)

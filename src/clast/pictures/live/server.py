@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from http import HTTPStatus
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 
 from clast.errors import CaseError
 from clast.pictures.live.feed import Feed
@@ -15,6 +15,7 @@ from clast.pictures.live.guarded import GuardedHandler, GuardedServer
 from clast.pictures.live.leader import ORDERS
 from clast.pictures.page.document import live_text
 
+PAGE, JSON = "text/html; charset=utf-8", "application/json"
 STATUS_INTERVAL, STATUS_INTERVAL_AFTER = 5.0, 1.0
 """A sign of life goes to every page at least so often, s; more often when the run is over."""
 
@@ -37,28 +38,39 @@ class Handler(GuardedHandler):
     stays = True
     """Whether who looks on hears signs of life after the end of the run."""
 
-    def do_GET(self) -> None:
-        """Answer with the page, its content, or news as they come."""
-        parts = urlsplit(self.path)
-        answers: dict[str, Callable[[str], None]] = {
-            "/scene": lambda _: self._content("application/json", self.server.feed.scene),
-            "/page": lambda _: self._content("text/html; charset=utf-8", self.server.feed.page),
+    def pages(self) -> dict[str, Callable[[str], None]]:
+        """Return what answers without the token: path -> answer to what follows its ``?``."""
+        return {self.page_at: lambda _: self.send(HTTPStatus.OK, PAGE, live_text())}
+
+    def answers(self) -> dict[str, Callable[[str], None]]:
+        """Return what answers who has the token, as ``pages`` does."""
+        feed = self.server.feed
+        return {
+            "/scene": lambda _: self.content(JSON, feed.scene),
+            "/page": lambda _: self.content(PAGE, feed.page),
             "/events": self._events,
         }
+
+    def do_GET(self) -> None:
+        """Answer with a page, its content, or news as they come."""
+        path, _, query = self.path.partition("?")
         if not self.is_from_here():
             return
-        if parts.path == self.page_at:
-            self.send(HTTPStatus.OK, "text/html; charset=utf-8", live_text())
-        elif parts.path not in answers:
+        if path in self.pages():
+            self.pages()[path](query)
+        elif path not in self.answers():
             self.refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         elif self.has_token():
-            answers[parts.path](parts.query)
+            self.answers()[path](query)
 
     def do_POST(self) -> None:
         """Hand on a request of a page to the run."""
         body = self.posted()
-        if body is None:
-            return
+        if body is not None:
+            self.order(body)
+
+    def order(self, body: bytes) -> None:
+        """Hand on a request to the run where it is one."""
         try:
             order = json.loads(body)["do"]
         except (ValueError, KeyError, TypeError):
@@ -67,11 +79,12 @@ class Handler(GuardedHandler):
             self.refuse(HTTPStatus.BAD_REQUEST, f"ask for one of: {', '.join(ORDERS)}")
             return
         self.server.order(order)
-        self.send(HTTPStatus.OK, "application/json", "{}")
+        self.send(HTTPStatus.OK, JSON, "{}")
 
     # --- answers -----------------------------------------------------------------------------
 
-    def _content(self, kind: str, text: Callable[[], str]) -> None:
+    def content(self, kind: str, text: Callable[[], str | bytes]) -> None:
+        """Answer with a text, or that it is not there yet."""
         try:
             self.send(HTTPStatus.OK, kind, text())
         except CaseError as error:

@@ -6,7 +6,8 @@ const AGAIN = 1000;
 export class Live {
   /** @param {string} token what it knows the page by */
   constructor(token) {
-    this.headers = { Authorization: `Bearer ${token}` };
+    // within the window of an editor requests are that window's
+    this.headers = { Authorization: `Bearer ${token}`, Window: sessionStorage.getItem("window") ?? "" };
     this.next = 0;
     this.status = {};
   }

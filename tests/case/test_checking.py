@@ -9,8 +9,8 @@ import time
 import pytest
 
 from clast.case.case_file import Case
+from clast.case.checking import check, checks
 from clast.case.templates import TEMPLATES
-from clast.editor.checking import check, checks
 from clast.errors import CaseError
 
 SLOPE = TEMPLATES["slope"]

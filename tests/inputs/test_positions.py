@@ -3,7 +3,7 @@
 import pytest
 
 from clast.case.templates import TEMPLATES
-from clast.editor.places import places_of
+from clast.inputs.declaring.positions import places_of
 
 TEXT = """title = "a"
 

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clast.case.case_file import Case
-from clast.editor.places import Places, places_of
 from clast.errors import CaseError, Fault, Place, Points, Remark
 from clast.inputs.declaring import text as case_text
+from clast.inputs.declaring.positions import Places, places_of
 from clast.inputs.declaring.validation_messages import place_text
 
 if TYPE_CHECKING:
