@@ -24,8 +24,10 @@ from clast.linear.opening_joints import OpeningJoints
 from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
+from clast.read_only import quick
 
 
+@quick
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
     """The start of a step, as far as actions may know it."""
@@ -121,6 +123,7 @@ class Prescribed:
     """Their velocities at its end, shape (k, 6)."""
 
 
+@quick
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
     """The contribution of an action to the equations of a step."""
@@ -152,6 +155,7 @@ NO_CONTRIBUTION = Contribution()
 """That of an action that adds nothing."""
 
 
+@quick
 @dataclass(frozen=True, kw_only=True)
 class Solution:
     """The solution of a step, as far as actions need to know it."""
@@ -184,6 +188,7 @@ class Solution:
         )
 
 
+@quick
 @dataclass(frozen=True, kw_only=True)
 class ActionResult:
     """The result of an action in a step: work, energy and its state."""
