@@ -11,8 +11,8 @@ OF_PAGES = (
 ).split()
 """Modules of the page of a run that draw the section, each after those that it imports."""
 SCRIPTS = (
-    "values hand reference handles curve form snaps choices signs draw underlay start text search "
-    "picture study run stages edit"
+    "values hand reference handles curve copies form snaps choices signs draw underlay start text "
+    "search picture study run stages edit"
 ).split()
 """Modules of the page, each after those that it imports."""
 

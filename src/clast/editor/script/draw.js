@@ -57,7 +57,18 @@ export class Tools {
 
   /** Take a tool by its name. */
   take(name) {
-    this.tool = this.tools.find((one) => one.name === name);
+    this.use(this.tools.find((one) => one.name === name));
+  }
+
+  /** Ask for points of the section, each in words; `then` gets them. */
+  pick(words, then) {
+    this.use({ name: "", choices: [{ node: { properties: {} }, fixed: {}, steps: words.map((one, key) => ({ key, kind: "point", words: `${one}; click or type x, y` })), then }] });
+    this.section.above.focus();
+  }
+
+  use(tool) {
+    Object.assign(this, { tool, pointer: null });
+    const { name } = tool;
     for (const button of this.bar.querySelectorAll("[data-tool]")) button.setAttribute("aria-pressed", String(button.dataset.tool === name));
     this.choices.replaceChildren(...this.tool.choices.map(({ label }, i) => new Option(label, i)));
     // the strip keeps its height: the drawing below must not jump
@@ -316,6 +327,11 @@ export class Tools {
   }
 
   finish(values) {
+    const { then, steps } = this.choice;
+    if (then) {
+      this.take("select");
+      return then(steps.map(({ key: step }) => values[step]));
+    }
     const { place, edits } = editsOf(this.state, this.choice, values);
     const isOnce = this.choice.kind === "one" && this.taken().step === null && this.tool.name === "outline";
     this.begin();

@@ -48,7 +48,7 @@ function draw() {
   document.body.dataset.looks = state.looks_on ? "on" : "";
   $("take-over").hidden = !state.looks_on || state.leads === TEXT_EDITOR;
   $("text").readOnly = state.looks_on;
-  showForms($("forms"), { ...state, hand, choose, refer: (...at) => (refer ??= offerReference($("reference"), state))(...at) });
+  showForms($("forms"), { ...state, hand, choose, pick: (...asked) => tools.pick(...asked), refer: (...at) => (refer ??= offerReference($("reference"), state))(...at) });
   $("undo").disabled = !state.undo[0];
   $("redo").disabled = !state.undo[1];
   const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;

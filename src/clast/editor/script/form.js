@@ -1,7 +1,8 @@
 /** Forms of a case, made from its schema: rows are patched where values change, never made anew. */
+import { Copies, addition } from "./copies.js";
 import { Curve } from "./curve.js";
 import { factsOf } from "./reference.js";
-import { withSurface } from "./handles.js";
+import { drawnKeys, tableNode, withSurface } from "./handles.js";
 import { variants, kindOf, formOf, tablesOf, isTable, isPlain, blank, toml, numberFrom, unitOf } from "./values.js";
 const { html, render, useState, useRef } = htmPreact;
 
@@ -111,8 +112,9 @@ function Chosen({ ctx, place }) {
   const askFirst = () => (name !== undefined && referring(ctx, top, name).some((where) => !startsWith(where, place)) ? ask(true) : remove());
   const move = (to) => ctx.hand.edit([{ do: "swap", place: [top, Math.min(entry, to)] }]).then((done) => done && ctx.choose([top, to]));
   const copy = () => {
-    const twin = typeof entry === "number" ? [top, entry + 1] : [top, freeName(ctx.content[top], entry)];
-    ctx.hand.edit([{ do: typeof entry === "number" ? "insert" : "set", place: twin, toml: toml(value) }]).then(() => ctx.choose(twin));
+    const twin = [top, freeName(ctx.content[top], entry)];
+    const made = typeof entry === "number" ? addition(ctx, top, [[entry, value]], entry + 1) : { place: twin, edits: [{ do: "set", place: twin, toml: toml(value) }] };
+    ctx.hand.edit(made.edits).then((done) => done && ctx.choose(made.place));
   };
   const isGroup = entry === undefined && kind !== "one";
   return html`<h2>${place.map((part) => (typeof part === "number" ? part + 1 : part)).join(" ")}</h2>
@@ -125,6 +127,7 @@ function Chosen({ ctx, place }) {
       ${entry < ctx.content[top].length - 1 && html`<button onClick=${() => move(entry + 1)}>down</button>`}
       <button onClick=${askFirst}>remove</button> <button onClick=${() => ctx.refer(top)}>reference</button></p>
     ${isAsked && html`<${Removal} ctx=${ctx} table=${top} name=${name} named=${named} remove=${remove} keep=${() => ask(false)} />`}
+    ${kind === "list" && top !== "stage" && drawnKeys(tableNode(ctx.schema, one)).length > 0 && ctx.content[top].length > 0 && html`<${Copies} ctx=${ctx} table=${top} entry=${entry} node=${tableNode(ctx.schema, one)} />`}
     <${Faults} ctx=${ctx} place=${place} />
     ${top === "amplitude" && html`<${Curve} ctx=${ctx} name=${entry} />`}
     ${!isGroup && html`<${Value} ctx=${ctx} place=${place} one=${inner ?? {}} value=${value} isOpen=${true} />`}`;

@@ -160,7 +160,8 @@ function reached(outline, [x, y], [ox, oy]) {
   return Number.isFinite(t) ? [x + t * ox, y + t * oy] : [x, y];
 }
 
-function lowerLeft({ domain }) {
+/** Lower left of the domain, m; undefined where it has no outline. */
+export function lowerLeft({ domain }) {
   const points = [domain?.boundary, domain?.profile].find(isPoints);
   return points && [0, 1].map((k) => Math.min(...points.map((point) => point[k])));
 }

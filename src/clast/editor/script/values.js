@@ -80,12 +80,14 @@ const notesOf = ({ default: given }) => (given === undefined || given === null ?
 const BARE = /^[A-Za-z0-9_-]+$/;
 const quoted = (text) => JSON.stringify(text).replaceAll("\x7f", "\\u007f");
 
+export const keyText = (key) => (BARE.test(key) ? key : quoted(key));
+
 /** A value as TOML writes it. */
 export function toml(value) {
   if (typeof value === "string") return quoted(value);
   if (Array.isArray(value)) return `[${value.map(toml).join(", ")}]`;
   if (!isTable(value)) return String(value);
-  return `{${Object.entries(value).map(([key, inner]) => `${BARE.test(key) ? key : quoted(key)} = ${toml(inner)}`).join(", ")}}`;
+  return `{${Object.entries(value).map(([key, inner]) => `${keyText(key)} = ${toml(inner)}`).join(", ")}}`;
 }
 
 const PREFIXES = { G: 9, M: 6, k: 3, d: -1, c: -2, m: -3, "µ": -6, u: -6 };
