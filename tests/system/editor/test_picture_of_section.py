@@ -133,6 +133,32 @@ def test_pictures_show_the_section_its_title_and_legend(drawn, tmp_path):
     assert page.evaluate("clastEditor.section.place") == ["bolt", 2]
 
 
+def test_a_pdf_has_the_section_alone_on_a_page_of_its_size(drawn):
+    page = drawn(SLOPE)
+    page.emulate_media(color_scheme="dark")
+    page.evaluate("clastEditor.goTo(['bolt', 2, 'start'])")
+    page.evaluate("window.print = () => { clastEditor.printed = true; }")
+    page.click("summary >> text=Picture")
+    page.click(".popup >> text=PDF")
+    assert page.evaluate("clastEditor.printed")
+    printed = page.pdf(prefer_css_page_size=True)
+    assert re.findall(rb"/Count (\d+)", printed) == [b"1"]
+    box = re.search(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", printed)
+    width, height = page.evaluate(
+        "[clastEditor.section.view.width, clastEditor.section.view.height]"
+    )
+    assert float(box[1]) == pytest.approx(0.75 * width, abs=1.0)
+    assert 0.75 * height + 20 < float(box[2]) < 0.75 * height + 80  # title and legend below
+    assert page.inner_text("#sheet") == ""  # the window is as it was
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    assert not page.is_visible("main")
+    assert page.is_visible("#sheet svg")
+    words = page.locator("#sheet text").all_text_contents()
+    assert {"Slope in bedding, with water and cables", "sandstone", "15", "m"} <= set(words)
+    assert "#d81b60" not in page.inner_html("#sheet")  # of what is chosen
+
+
 def test_the_chosen_fills_the_view(drawn):
     page = drawn(SLOPE)
     page.evaluate("clastEditor.goTo(['bolt', 2, 'start'])")

@@ -1,5 +1,6 @@
-/** Pictures of the section for a report: SVG and PNG, with title and legend, without what is chosen. */
+/** Pictures of the section for a report: SVG, PNG, and PDF by the browser's print, with title and legend, without what is chosen. */
 import { drawLegend, heightOfLegend } from "../../pictures/page/script/legend.js";
+import { LIGHT } from "./section.js";
 import { CanvasPen, SvgPen } from "../../pictures/page/script/pens.js";
 
 const FINE = 3;
@@ -46,10 +47,10 @@ const heightOf = (section) => (section.run ? heightOfLegend(section.seen(), sect
 /** Offer pictures, and the view of what is chosen, above the section. */
 export function offerPictures(section, state) {
   const place = document.createElement("details");
-  place.innerHTML = '<summary>Picture</summary><div class="popup"><button>SVG</button> <button>PNG</button> <button title="z in the drawing">zoom to the chosen</button></div>';
+  place.innerHTML = '<summary>Picture</summary><div class="popup"><button>SVG</button> <button>PNG</button> <button title="Prints the section: save it as PDF there">PDF</button> <button title="z in the drawing">zoom to the chosen</button></div>';
   section.root.querySelector(".legend details").before(place);
   place.name = "panels";
-  const [svg, png, near] = place.querySelectorAll("button"), title = () => state.content.title || state.file.split(/[\\/]/).at(-1);
+  const [svg, png, pdf, near] = place.querySelectorAll("button"), title = () => state.content.title || state.file.split(/[\\/]/).at(-1);
   const save = (blob, ending) => {
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
@@ -59,5 +60,21 @@ export function offerPictures(section, state) {
   };
   svg.addEventListener("click", () => save(new Blob([svgOf(section, title())], { type: "image/svg+xml" }), "svg"));
   png.addEventListener("click", () => canvasOf(section, title()).toBlob((blob) => save(blob, "png")));
+  pdf.addEventListener("click", () => { place.open = false; print(); });
+  offerSheet(section, title);
   near.addEventListener("click", () => section.zoomToChosen());
+}
+
+/** What is printed of the window, on paper or as PDF: the section alone, in light colours, on a page of its size. */
+function offerSheet(section, title) {
+  const sheet = Object.assign(document.createElement("div"), { id: "sheet" });
+  document.body.append(sheet);
+  addEventListener("beforeprint", () => {
+    const { view: { width }, theme } = section;
+    section.theme = LIGHT;
+    const text = svgOf(section, title());
+    section.theme = theme;
+    sheet.innerHTML = `<style>@page { size: ${width}px ${section.view.height + heightOf(section)}px; margin: 0 }</style>${text}`;
+  });
+  addEventListener("afterprint", () => sheet.replaceChildren());
 }

@@ -8,7 +8,7 @@ import { fillLegend } from "../../pictures/page/script/legend.js";
 import { CanvasPen } from "../../pictures/page/script/pens.js";
 import { View, followPointers } from "../../pictures/page/script/view.js";
 
-const LIGHT = { paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", chosen: "#d81b60", line: "#262626" };
+export const LIGHT = { paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", chosen: "#d81b60", line: "#262626" };
 const DARK = { paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", chosen: "#ff6fa3", line: "#0b0c0d" };
 const MARKS = { fault: "#d32f2f", warning: "#ef7d00", note: "#1f6fb4" };
 const NEAR = 9;
