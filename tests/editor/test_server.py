@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import socket
 import zlib
 
 import numpy as np
@@ -11,7 +12,7 @@ from clast.case.case_file import Case
 from clast.case.checking import check
 from clast.case.templates import TEMPLATES
 from clast.editor.page import editor_text
-from clast.editor.server import BYTES_MAX
+from clast.editor.server import BYTES_MAX, EditHandler
 from scenes.edited import edited_file, until
 
 WHERE = ["joint", "bedding", "friction_angle"]
@@ -80,6 +81,19 @@ def test_pages_of_others_neither_read_nor_write(served, path, body, headers, sta
     assert ask(served, path, body, **headers)[0] == status
     assert served.document.text == before
     assert served.runs.shown is None
+
+
+def test_bodies_of_answers_do_not_wait_for_the_receipt_of_their_heads(served, monkeypatch):
+    found, setup = [], EditHandler.setup
+
+    def looked(handler):
+        setup(handler)
+        found.append(handler.connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+
+    monkeypatch.setattr(EditHandler, "setup", looked)
+    assert ask(served, "/case")[0] == 200
+    assert found
+    assert all(found)
 
 
 def test_no_other_file_is_read(served):

@@ -118,6 +118,7 @@ class GuardedHandler(BaseHTTPRequestHandler):
 
     server: GuardedServer
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # else a body waits 40 ms for the receipt of its head
     timeout = TIMEOUT
     most_bytes = 1000
     """Greatest length of a request."""
