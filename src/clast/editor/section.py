@@ -21,7 +21,7 @@ from clast.inputs.declaring.annotations import geometry_of
 from clast.inputs.declaring.places import points_of
 from clast.inputs.declaring.validation_messages import field_at
 from clast.model.model import Model
-from clast.model.stages import Stage
+from clast.model.stages import Stage, flowing
 from clast.model.state import State, initial_state
 from clast.model.surroundings import blocks_called
 from clast.pictures.page.scene import scene_of
@@ -73,7 +73,7 @@ def states_of_stages(model: Model, start: State, stages: Sequence[Stage]) -> Ite
     bolts = model.bolts.without([name for stage in stages for name in stage.install])
     absent, (linings, _) = model.absent, linings_of(model)
     water = () if model.flow is None else (joint_water(model, start),)
-    behind = *water, *(one.begin(model) for one in model.actions)
+    behind = tuple(one.begin(model) for one in model.actions)
     for number, stage in enumerate(stages):
         bolts = bolts.at_stage(stage.name, stage.install)
         absent = absent.copy()
@@ -81,7 +81,10 @@ def states_of_stages(model: Model, start: State, stages: Sequence[Stage]) -> Ite
         for one in linings.each if linings is not None else ():
             if one.stage == stage.name:
                 absent[one.segments] = False
-        own = Bolting().begin(replace(model, bolts=bolts)), no_forces(absent), *behind
+        if model.flow is not None and model.flow.state != "transient":
+            flow = flowing(model.flow, stages, [0.0] * (number + 1))
+            water = (joint_water(replace(model, flow=flow, absent=absent), start),)
+        own = Bolting().begin(replace(model, bolts=bolts)), no_forces(absent), *water, *behind
         yield replace(start, time=number + 1.0, actions=own)
 
 

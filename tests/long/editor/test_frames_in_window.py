@@ -69,7 +69,7 @@ def test_lines_follow_a_slider_thirty_times_a_second(tmp_path, width, height, bl
         editor.kill()
         editor.wait()
     rates, costs = (frames, moves), (of_page / drawn, of_server / moves)
-    said = "{} blocks: {:.0f} frames, {:.0f} lines a second; {:.1f} ms of the page, {:.1f} of the server"
+    said = "{} blocks: {:.0f} frames, {:.0f} lines a second; page {:.1f} ms, server {:.1f} ms"
     said = said.format(blocks, *(one / SECONDS for one in rates), *(1e3 * one for one in costs))
     print(said)
     assert min(drawn, moves) > 10, said

@@ -9,8 +9,11 @@ import pytest
 from clast.case.case_file import Case
 from clast.case.checking import check
 from clast.case.templates import TEMPLATES
-from clast.editor.section import section_of
+from clast.editor.section import section_of, states_of_stages
+from clast.model.state import initial_state
 from clast.pictures.page.scene import scene_of
+from clast.results.frame_samples import channel_values
+from scenes.two_lakes import lakes, rock
 
 
 def states(scene, blocks):
@@ -42,6 +45,55 @@ def test_a_stage_shows_what_the_run_has_by_then(name):
         for of_run, of_section in zip(expected, found, strict=True):
             assert np.array_equal(of_run[last], of_section[number + 1]), stage
     assert np.array_equal(expected[0][0], found[0][0])
+
+
+FLOWING = """
+[[well]]
+name = "drain"
+line = [[2.0, 5.0], [3.0, 4.0]]
+pressure = 0.0
+only_outflow = true
+[[stage]]
+name = "before"
+until = "time"
+time = 0.02
+[[stage]]
+name = "drawdown"
+until = "time"
+time = 0.02
+flow_boundary = {lake = {head = 5.0}}
+[[stage]]
+name = "drained"
+until = "time"
+time = 0.02
+install = ["drain"]
+[[stage]]
+name = "dug"
+until = "time"
+time = 0.02
+excavate = ["tunnel"]
+"""
+
+
+@pytest.mark.filterwarnings("ignore::clast.RunWarning")
+def test_water_flows_in_each_stage_as_it_does_in_the_run():
+    text = rock() + lakes() + FLOWING
+    case = Case.from_text(text, "case.toml", ["output.every=0.02"])
+    model, stages = case.model(), tuple(table.stage() for table in case.stage)
+    run = case.run()
+    before = None
+    for stage, state in zip(
+        stages, states_of_stages(model, initial_state(model), stages), strict=True
+    ):
+        found, expected = channel_values(model, state), run.flow(run.frame(stage=stage.name).number)
+        found = found[found[:, 4] > 0.0]
+        assert len(found) == len(expected)
+        np.testing.assert_allclose(found[:, :2], expected.pressure, rtol=1e-6, atol=1e-3)
+        largest = np.abs(expected.flow).max()
+        np.testing.assert_allclose(found[:, 6], expected.flow, rtol=1e-6, atol=1e-6 * largest)
+        assert found[:, 0].max() > 1e3
+        assert before is None or abs(found[:, 0].mean() / before - 1.0) > 0.01
+        before = found[:, 0].mean()
 
 
 def test_bolts_that_no_stage_names_are_there_from_the_start():
