@@ -4,10 +4,10 @@ import { toml } from "./values.js";
 const TABLES = ["bolt", "bolt_pattern", "lining", "viscous_boundary"];
 /** Tables whose entries name the stage that they come with. */
 const LOADS = ["point_load", "line_load", "pressure", "fill", "load_train", "water"];
-const BRINGS = [["excavate", "digs"], ["install", "bolts"], ["loads", "loads"], ["joint", "joints"]];
+const BRINGS = [["excavate", "digs"], ["install", "installs"], ["loads", "loads"], ["flow_boundary", "heads at"], ["joint", "joints"]];
 const OFFERS = [
   ["excavate", ({ opening }) => namesOf(opening), "dug here ..."],
-  ["install", ({ bolt = [], bolt_pattern = [] }) => unstaged([bolt, bolt_pattern].flat()).flatMap((one) => [one.name, one.kind]), "bolts from here ..."],
+  ["install", ({ bolt = [], bolt_pattern = [], well = [] }) => unstaged([bolt, bolt_pattern, well].flat()).flatMap((one) => [one.name, one.kind]), "installed from here ..."],
   ["loads", (content) => [...LOADS.flatMap((table) => namesOf(content[table])), ...Object.keys(content.amplitude ?? {})], "acts from here ..."],
 ];
 /** Keys of a stage, the names that they may have, and what is offered in words. */
