@@ -64,8 +64,10 @@ def test_axe_finds_nothing_in_any_part(window, scheme, tmp_path):
     page.fill(".under input[name=file]", "slope.toml")
     page.click(".under form button")
     page.locator(".under .fault").wait_for()
-    for table in (["joint_set", 0], ["domain"], ["stage", 0], ["water", 0]):
+    for table in (["joint_set", 0], ["domain"], ["stage", 0], ["water", 0], ["amplitude", "rise"]):
         page.evaluate("(place) => clastEditor.goTo(place)", table)
+        for part in page.locator(".copies:not([open]) summary").all():
+            part.click()
         assert findings(page) == []
     friction = {"do": "set", "place": ["joint", "bedding", "friction_angle"], "toml": "95"}
     page.evaluate("(edit) => clastEditor.hand.edit([edit])", friction)

@@ -129,6 +129,33 @@ def test_an_axis_and_a_distance_are_clicked(drawing):
     assert hand.content["trace"][1]["points"] == [[2, 8], [5, 11], [9, 11]]
 
 
+def test_a_table_is_copied_and_pasted_at_the_pointer(drawing):
+    hand = drawing(SLOPE)
+    hand.choose("bolt", 1)
+    first = hand.content["bolt"][1]
+    hand.page.focus("#section canvas[tabindex]")
+    hand.keys.press("Control+c")
+    hand.page.uncheck(".tools .snap")
+    hand.page.focus("#section canvas[tabindex]")
+    hand.page.mouse.move(*hand.at(20.0, 18.0))
+    hand.keys.press("Control+v")
+    until(hand.page, "clastEditor.state.content.bolt.length === 6")
+    made = hand.content["bolt"][5]
+    assert made["start"] == pytest.approx([20.0, 18.0], abs=0.1)
+    shift = np.subtract(made["start"], first["start"])
+    np.testing.assert_allclose(np.subtract(made["end"], first["end"]), shift, atol=1e-9)
+    assert (made["name"], made["kind"], made["stage"]) == ("cable 6", "cable", "cables")
+    until(hand.page, "clastEditor.state.chosen[1] === 5")
+    # a text editor gets the text of the table
+    hand.page.click("#toml summary")
+    hand.page.focus("#text")
+    hand.keys.press("Control+End")
+    hand.keys.press("Enter")
+    hand.keys.press("Control+v")
+    assert hand.content["bolt"][6] == first
+    assert len(hand.content["bolt"]) == 7
+
+
 def test_every_drawn_table_mirrored_twice_is_itself(drawing):
     hand = drawing(CUT)
     tables = {

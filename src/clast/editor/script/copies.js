@@ -1,5 +1,5 @@
 /** Copies of tables: in rows, mirrored; their names are new, what they name stays, and what names the first one. */
-import { drawnKeys, isPoint, isPoints, lowerLeft, notesOf, plain } from "./handles.js";
+import { drawnKeys, isPoint, isPoints, lowerLeft, notesOf, plain, tableNode } from "./handles.js";
 import { isTable, keyText, numberFrom, toml } from "./values.js";
 const { html, useState } = htmPreact;
 
@@ -7,6 +7,8 @@ const UNMIRRORED = ["velocity", "initial_stress", "edge_joint", "block_file", "f
 /** Keys whose values would have to turn too, or which are told elsewhere. */
 const TURNING = new Set(["motion", "link", "measured_reaction", "viscous_boundary", "flow_boundary"]);
 /** Tables that say more of directions than their places. */
+const CLIP = "application/x-clast-table";
+/** Kind of what the clipboard has for windows. */
 const clean = (x) => Number(plain(x));
 
 /** A table with other places: `of` has what becomes of a point, a level and the like. */
@@ -77,11 +79,26 @@ function written({ literals }, value, place) {
 export function addition(ctx, table, made, first) {
   const taken = new Set(ctx.content[table].map((one) => one?.name));
   const edits = made.map(([from, value], k) => {
-    const name = typeof value.name === "string" && nameLike(taken, value.name);
-    if (name) taken.add(name);
+    const name = taken.has(value.name) && typeof value.name === "string" && nameLike(taken, value.name);
+    taken.add(name || value.name);
     return { do: "insert", place: [table, first + k], toml: written(ctx, name ? { ...value, name } : value, [table, from]) };
   });
   return { place: [table, first], edits };
+}
+
+/** Put an entry on the clipboard: as a text for a text editor, and as it is for windows. */
+export function copyTo(clipboard, state, [table, from]) {
+  const value = state.content[table][from];
+  clipboard.setData(CLIP, JSON.stringify({ table, from, value }));
+  clipboard.setData("text/plain", [`[[${table}]]`, ...Object.keys(value).map((key) => `${keyText(key)} = ${written(state, value[key], [table, from, key])}`), ""].join("\n"));
+}
+
+/** Edits that add the entry of a clipboard, moved to where `to` says its point is to be; null where it holds none. */
+export function pasted(clipboard, state, to) {
+  const { table, from, value } = JSON.parse(clipboard.getData(CLIP) || "{}"), { schema, content } = state, node = schema.properties[table] && tableNode(schema, schema.properties[table]);
+  if (!node || !(Array.isArray(content[table] ?? []))) return null;
+  const held = content[table] ?? [], by = to(node, value);
+  return addition({ ...state, content: { ...content, [table]: held } }, table, [[from, by ? moved(content, node, value, by) : value]], held.length);
 }
 
 /** Edits that change an entry where it stands. */

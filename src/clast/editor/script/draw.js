@@ -1,6 +1,7 @@
 /** Drawing in the section: tools, snaps, typed points, and handles of the table that is chosen. */
 import { drawAxes } from "../../pictures/page/script/axes.js";
 import { outline } from "../../pictures/page/script/draw_canvas.js";
+import { copyTo, pasted } from "./copies.js";
 import { baseOf, crossing, partOf, plain, pointText, shapesOf, shapeOf, sidesOf, withSurface } from "./handles.js";
 import { digitsAt, gridStep, rounded, snapped, typed } from "./snaps.js";
 import { drawArrow, drawHeld, drawSlope, drawStress, stressAt } from "./signs.js";
@@ -28,6 +29,8 @@ export class Tools {
     for (const end of ["pointerup", "pointercancel"]) above.addEventListener(end, () => this.drop());
     above.addEventListener("dblclick", (event) => this.twice(event));
     addEventListener("keydown", (event) => this.key(event), true);
+    document.addEventListener("copy", (event) => this.copy(event));
+    document.addEventListener("paste", (event) => this.paste(event));
     section.tools = this;
   }
 
@@ -396,6 +399,33 @@ export class Tools {
     if (event.key === "Escape" && this.grip) return () => { this.grip = ""; this.tell(); };
     if (event.key === "Delete" || event.key === "Backspace") return () => this.remove(handle);
     return null;
+  }
+
+  /** Whether keys mean the drawing. */
+  get isUsed() {
+    const { activeElement: at } = document;
+    return (at === document.body || this.section.root.contains(at)) && !at.matches("input, textarea") && getSelection().isCollapsed;
+  }
+
+  copy(event) {
+    const { content, chosen } = this.state;
+    if (!this.isUsed || chosen.length !== 2 || !Array.isArray(content[chosen[0]])) return;
+    event.preventDefault();
+    copyTo(event.clipboardData, this.state, chosen);
+    this.tell("copied: Ctrl+V sets its copy to the pointer");
+    this.field.removeAttribute("aria-invalid");
+  }
+
+  /** Add what was copied with its first point at the pointer. */
+  paste(event) {
+    const { hover, section, state: { content } } = this;
+    const made = this.isUsed && pasted(event.clipboardData, this.state, (node, value) => {
+      const from = shapeOf(content, node, value, [], this.seen).handles.find((one) => !one.isWhole && !one.isMiddle)?.at;
+      return from && hover && this.meant(...section.screen(hover)).at.map((one, k) => one - from[k]);
+    });
+    if (!made) return;
+    event.preventDefault();
+    this.hand.edit(made.edits).then((isDone) => isDone && this.choose(made.place));
   }
 
   /** Leave what is drawn, and then the tool. */
