@@ -73,3 +73,20 @@ def test_lines_follow_a_slider_until_the_blocks_are_there(slope):
     assert page.evaluate("clastEditor.section.run.blockCount") == 23
     until(page, "clastEditor.section.run.blockCount < 23")
     assert page.evaluate("clastEditor.section.moving") == []
+
+
+def test_the_view_stays_where_sections_come_close_together(drawing):
+    hand = drawing(TEMPLATES["slope"])
+    centre, after, origin = hand.page.evaluate(
+        """async () => {
+          const { section } = clastEditor, { view, lines, origin, run: { scene } } = section;
+          const at = () => [view.x + section.origin[0], view.y + section.origin[1]];
+          const moved = (by) => ({ lines, scene: { ...scene, origin: origin.map((x) => x + by) } });
+          view.moved(); // by somebody: all is not shown again
+          const before = at();
+          await Promise.all([1, 7].map((by) => section.show(moved(by), [])));
+          return [before, at(), section.origin.map((x, k) => x - origin[k])];
+        }"""
+    )
+    assert origin == pytest.approx([7, 7])  # the last one is shown
+    assert after == pytest.approx(centre)

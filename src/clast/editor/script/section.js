@@ -74,6 +74,8 @@ export class Section {
     [this.below, this.above] = root.querySelectorAll("canvas");
     this.view = new View();
     this.run = null;
+    /** What was found in the case last. */
+    this.newest = null;
     /** Its smallest block and shortest edge, in words. */
     this.sizes = "";
     this.origin = null;
@@ -110,12 +112,13 @@ export class Section {
    */
   async show(news, marks) {
     this.root.querySelector(".wait").hidden = true;
-    const isFirst = this.origin === null;
-    const old = this.origin;
-    const before = this.run && JSON.stringify([this.run.scene.vertices, this.origin]);
-    if (news.scene) {
-      const run = new RunData(news.scene);
-      await run.decode();
+    const run = news.scene && new RunData(news.scene);
+    this.newest = news;
+    await run?.decode();
+    if (this.newest !== news) return; // another one has come meanwhile
+    const old = this.origin, isFirst = old === null;
+    const before = this.run && JSON.stringify([this.run.scene.vertices, old]);
+    if (run) {
       this.run = run;
       this.sizes = sizesOf(run);
       this.state.frame = Math.min(this.state.frame, run.frameCount - 1);
