@@ -26,7 +26,6 @@ from clast.model.state import State, initial_state
 from clast.model.surroundings import blocks_called
 from clast.pictures.page.scene import scene_of
 from clast.results import Report, RunRecorder
-from clast.results.frame_samples import joint_water
 
 
 def section_of(checked: Checked) -> dict[str, Any]:
@@ -48,6 +47,7 @@ def section_of(checked: Checked) -> dict[str, Any]:
 def scene_of_stages(model: Model, stages: Sequence[Stage]) -> dict[str, Any]:
     """Return the content of the page of a run that has not moved: its start, and each stage."""
     recorder, start = RunRecorder(model), initial_state(model)
+    start = replace(start, actions=(*start.actions, *_water(model, stages, 0)))
     begins = {name: stage.name for stage in stages for name in stage.loads}
     recorder.start(start, {"stages": [stage.name for stage in stages], "begins": begins})
     for number, state in enumerate(states_of_stages(model, start, stages)):
@@ -72,7 +72,7 @@ def states_of_stages(model: Model, start: State, stages: Sequence[Stage]) -> Ite
     """Give a state for each stage in which nothing has moved, with bolts and blocks as they are."""
     bolts = model.bolts.without([name for stage in stages for name in stage.install])
     absent, (linings, _) = model.absent, linings_of(model)
-    water = () if model.flow is None else (joint_water(model, start),)
+    water = _water(model, stages, 0)
     behind = tuple(one.begin(model) for one in model.actions)
     for number, stage in enumerate(stages):
         bolts = bolts.at_stage(stage.name, stage.install)
@@ -82,10 +82,19 @@ def states_of_stages(model: Model, start: State, stages: Sequence[Stage]) -> Ite
             if one.stage == stage.name:
                 absent[one.segments] = False
         if model.flow is not None and model.flow.state != "transient":
-            flow = flowing(model.flow, stages, [0.0] * (number + 1))
-            water = (joint_water(replace(model, flow=flow, absent=absent), start),)
+            water = _water(replace(model, absent=absent), stages, number + 1)
         own = Bolting().begin(replace(model, bolts=bolts)), no_forces(absent), *water, *behind
         yield replace(start, time=number + 1.0, actions=own)
+
+
+def _water(model: Model, stages: Sequence[Stage], begun: int) -> tuple[Any, ...]:
+    """Return the water in joints when so many stages have begun; nothing where none flows."""
+    if model.flow is None:
+        return ()
+    from clast.actions.flow import water_at  # few cases need it
+
+    flow = flowing(model.flow, stages, [0.0] * begun)
+    return (water_at(replace(model, flow=flow), 0.0),)
 
 
 def lines_of(content: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -147,3 +147,14 @@ def test_surfaces_of_a_profile_keep_to_its_segments(drawing):
     hand.page.locator(".form [data-key$='.profile'] .list .drop").last.click()
     assert hand.content["rockfall"]["surface"] == after["surface"][:-1]
     until(hand.page, "clastEditor.state.checked && !clastEditor.state.faults.length")
+
+
+def test_a_table_without_its_name_has_the_form_of_its_keys(drawing):
+    hand = drawing(TEMPLATES["lined-tunnel"])
+    hand.choose("stage", 5)
+    damping = hand.page.locator(".form [data-key$='.damping']")
+    assert damping.locator("output, button >> text=rayleigh").count() == 1
+    row = hand.page.locator(".form [data-key$='.mass']")
+    assert row.locator("small").inner_text() == "1/s"
+    row.locator("input").first.fill("0.75")
+    assert hand.content["stage"][5]["damping"] == {"mass": 0.75, "stiffness": 0.0001}

@@ -94,6 +94,10 @@ def test_water_flows_in_each_stage_as_it_does_in_the_run():
         assert found[:, 0].max() > 1e3
         assert before is None or abs(found[:, 0].mean() / before - 1.0) > 0.01
         before = found[:, 0].mean()
+    # before all of them the drain is not there: lake and sea are level
+    flows = section_of(check(text, "case.toml"))["scene"]["flows"]
+    heights = [np.concatenate(one["tables"])[:, 1] for one in flows]
+    assert [np.ptp(one) < 1e-3 for one in heights] == [True, True, False, False, False]
 
 
 def test_bolts_that_no_stage_names_are_there_from_the_start():
