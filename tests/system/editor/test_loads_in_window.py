@@ -100,6 +100,18 @@ def test_points_of_an_amplitude_come_and_go_by_mouse_and_keys(drawing):
     assert hand.content["amplitude"]["pulse"]["time"][-1] == pytest.approx(1.5)
 
 
+def test_a_record_is_a_line_without_handles(drawing):
+    times = [0.01 * k for k in range(200)]
+    text = LOADED.replace("[0, 0.2, 0.5, 1.0]", str(times)).replace(
+        "[0, 1, -0.4, 0.2]", str([0.5] * 200)
+    )
+    hand = drawing(text)
+    hand.choose("pressure", 0)
+    assert hand.page.locator(".amplitude circle").count() == 0
+    assert hand.page.get_attribute(".amplitude .line", "d").count("L") == 199
+    assert "200 points" in hand.page.inner_text(".amplitude")
+
+
 def test_a_lining_is_drawn_as_thick_as_it_will_be(drawing):
     hand = drawing(TEMPLATES["lined-tunnel"])
     hand.page.evaluate(

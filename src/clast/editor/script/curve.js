@@ -6,6 +6,8 @@ const [WIDE, HIGH, ROOM] = [320, 130, 16];
 /** Width, height and margin of the curve, pixels. */
 const PARTS = 50;
 /** Least number of steps that a pointer can tell along an axis. */
+const MOST = 50;
+/** Points that have a handle: a record has more than a hand can tell apart. */
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 let gestures = 0;
 
@@ -47,7 +49,7 @@ export function Curve({ ctx, name }) {
     e.preventDefault();
   };
   const drop = () => { held.current = null; };
-  const dots = time.map((_, i) => html`<circle key=${i} cx=${screen(i)[0]} cy=${screen(i)[1]} r="5" tabindex="0" role="slider" aria-label=${`Point ${i + 1} of ${name}`}
+  const dots = time.length <= MOST && time.map((_, i) => html`<circle key=${i} cx=${screen(i)[0]} cy=${screen(i)[1]} r="5" tabindex="0" role="slider" aria-label=${`Point ${i + 1} of ${name}`}
     aria-valuenow=${value[i]} aria-valuetext=${`${plain(value[i])} at ${plain(time[i])} s`} onFocus=${() => { gestures += 1; }} onKeyDown=${(e) => press(e, i)}
     onPointerDown=${(e) => { e.currentTarget.setPointerCapture(e.pointerId); held.current = { box, gesture: `curve ${++gestures}` }; }}
     onPointerMove=${(e) => held.current && move(i, meant(e), held.current.gesture)} onPointerUp=${drop} onPointerCancel=${drop}><title>${plain(value[i])} at ${plain(time[i])} s</title></circle>`);
@@ -58,5 +60,5 @@ export function Curve({ ctx, name }) {
     <path class="line" d=${`M${time.map((_, i) => screen(i).join(" ")).join("L")}H${WIDE}`} />
     ${box[1].map((one, k) => one !== 0 && html`<text key=${k} x="2" y=${k ? ROOM - 5 : HIGH - 3}>${plain(one)}</text>`)}
     <text x=${WIDE - ROOM} y=${level > HIGH / 2 ? level + 13 : level - 5} text-anchor="end">${plain(box[0][1])} s</text>${dots}</svg>
-    <button onClick=${() => add([time.at(-1) + (time.length > 1 ? time.at(-1) - time.at(-2) : 1), value.at(-1)])}>add a point</button></figure>`;
+    ${time.length > MOST ? html`<p class="help">${time.length} points</p>` : ""}<button onClick=${() => add([time.at(-1) + (time.length > 1 ? time.at(-1) - time.at(-2) : 1), value.at(-1)])}>add a point</button></figure>`;
 }
