@@ -69,7 +69,7 @@ def _subtract_product(blocks, q, f, target, t):
         put_line(target, t, a, rest)
 
 
-@kernel()
+@kernel(forceinline=True)
 def _pass_on(i, low, high, pattern, work):
     """Subtract row i from the rows ``low`` to ``high`` - 1:  K_jk -= W_ij^T W_ik.
 

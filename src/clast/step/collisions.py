@@ -74,7 +74,7 @@ def _rates(c, time, velocity, acceleration, contacts):
     return opening + time * along_normal, slip + time * along_edge
 
 
-@kernel()
+@kernel(forceinline=True)
 def _moment(c, bodies, contacts, limits):
     """Return when contact c closes faster than the threshold, s; infinity: not in this step."""
     i, j = contacts.vertex_block[c], contacts.edge_block[c]

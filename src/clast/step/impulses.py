@@ -212,7 +212,7 @@ def describe(at, c, rates, target, velocity, mobility, contacts, linear):
     coupling[at] *= give
 
 
-@kernel()
+@kernel(forceinline=True)
 def renew(first, last, linear, course, velocity):
     """Renew the impulses of contacts ``first`` to ``last`` - 1 of the list; blocks do not strain.
 
@@ -245,7 +245,7 @@ def renew(first, last, linear, course, velocity):
     return most, size
 
 
-@kernel()
+@kernel(forceinline=True)
 def _go_on(share, count, course, blocks, pace, velocity):
     """Let impulses go on by a share of their last advance, and add their effect.
 
