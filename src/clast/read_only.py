@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import MISSING, fields
 from functools import cached_property
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -71,8 +71,11 @@ def quick(kind: type[Value]) -> type[Value]:
 
     Others set their fields one by one, by a call of ``object.__setattr__`` each.
     """
-    known, given, held = {"put": object.__setattr__}, [], []
-    for one in fields(cast(Any, kind)):
+    made: Any = kind
+    known: dict[str, Any] = {"put": object.__setattr__}
+    given: list[str] = []
+    held: list[str] = []
+    for one in fields(made):
         name, value, parameter = one.name, one.name, one.name
         if one.default_factory is not MISSING:
             known[f"make_{name}"] = one.default_factory
@@ -85,8 +88,8 @@ def quick(kind: type[Value]) -> type[Value]:
     then = "; self.__post_init__()" if hasattr(kind, "__post_init__") else ""
     text = f"def __init__(self, {', '.join(given)}): put(self, '__dict__', {{{', '.join(held)}}})"
     exec(text + then, known)
-    known["__init__"].__annotations__ = kind.__init__.__annotations__
-    kind.__init__ = known["__init__"]  # type: ignore[misc]
+    known["__init__"].__annotations__ = made.__init__.__annotations__
+    made.__init__ = known["__init__"]
     return kind
 
 
