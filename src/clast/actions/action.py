@@ -215,6 +215,8 @@ def energy_of_linear(contribution: Contribution, displacement: Floats) -> tuple[
     The work is that of the forces in the equations, (f - K d).d; the stored energy grows by -f.d
     and by 1/2 d.K d of the whole stiffness, if they store it.
     """
+    if not len(contribution.block):
+        return 0.0, -0.0
     moved = displacement[contribution.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
     pushed = float(np.add.reduce(contribution.force * moved, axis=None))

@@ -114,6 +114,8 @@ def reactions_of(context: StepContext, solution: StepSolution, held: Holding) ->
             force = sums[wanted.of_block[:, 1]]
             _add(reactions, wanted.about, wanted.of_block, force, centroid)
         pairs = _supporting(wanted, support, own)
+        if not pairs.size:
+            continue
         # what held an excavated block holds nothing any more
         pairs = pairs[~context.model.absent[contribution.block[pairs[:, 1]]]]
         if pairs.size:
