@@ -22,6 +22,7 @@ from concurrent.futures import (
     Executor,
     Future,
     ProcessPoolExecutor,
+    ThreadPoolExecutor,
     wait,
 )
 from contextlib import contextmanager
@@ -31,6 +32,7 @@ from multiprocessing import get_context
 from typing import Any, ClassVar, Protocol
 
 from clast.errors import CaseError, ResultsLost
+from clast.study.description import ROCKFALL
 from clast.study.folder import NO_RESULT, StudyFolder
 from clast.study.work import Bench, make_runs
 from clast.study.worker_start import start_worker
@@ -108,13 +110,23 @@ class Processes:
 
     portion: ClassVar[int] = RUNS_PER_WORKER_MAX
     places: int
+    here: Bench | None = None
+    """Makes the runs of the first place by a thread of this process.
+
+    For runs that are short, keep no memory and end no process: nobody waits for one, and workers
+    are not renewed.
+    """
+    _thread: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    _is_over: bool = False
     _pools: dict[int, ProcessPoolExecutor] = field(default_factory=dict)
     _made: dict[int, int] = field(default_factory=dict)
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Have a portion of runs made by a worker."""
+        if self.here and place == 0:
+            return self._thread.submit(self._make_here, self.here, runs)
         self._made[place] = self._made.get(place, 0) + len(runs)
-        if place in self._pools and self._made[place] > RUNS_PER_WORKER_MAX:
+        if not self.here and place in self._pools and self._made[place] > RUNS_PER_WORKER_MAX:
             self.renew(place)
             self._made[place] = len(runs)
         if place not in self._pools:
@@ -127,6 +139,11 @@ class Processes:
             self.renew(place)
             return self.submit(place, folder, runs)
 
+    def _make_here(self, bench: Bench, runs: list[int]) -> int:
+        """Make the runs that are not done, up to the end; return how many were made."""
+        left = (run for run in runs if not self._is_over and bench.folder.result(run) is None)
+        return sum(1 for run in left if bench.make(run))
+
     def renew(self, place: int) -> None:
         """Have a new worker at a place."""
         pool = self._pools.pop(place, None)
@@ -135,6 +152,8 @@ class Processes:
 
     def close(self, *, now: bool) -> None:
         """End all workers, ``now`` without waiting for their runs."""
+        self._is_over = now
+        self._thread.shutdown(cancel_futures=True)
         for pool in self._pools.values():
             # a process of the pool ends between two runs where its driver has ended
             for process in list((getattr(pool, "_processes", None) or {}).values()):
@@ -274,7 +293,7 @@ class Driver:
         if self.watch is None:
             return
         at_work = sum(
-            self.folder.result(run) is None for _, portion in going.values() for run in portion
+            not self.folder.place(run).exists() for _, portion in going.values() for run in portion
         )
         made = self._handed - at_work
         self.watch(
@@ -314,7 +333,8 @@ def workers_of(
         yield ThisProcess(Bench.of(folder))
     else:
         check_guard()
-        processes, now = Processes(count or os.cpu_count() or 1), True
+        here = Bench.of(folder) if folder.study.kind == ROCKFALL else None
+        processes, now = Processes(count or os.cpu_count() or 1, here), True
         try:
             yield processes
             now = False

@@ -5,7 +5,7 @@ All that a path is follows from the seed and its number: no digit depends on who
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -273,15 +273,16 @@ def portion(campaign: Campaign, numbers: Sequence[int]) -> tuple[list[list[Any]]
         one = campaign.follow(number)
         rows.append(path_row(campaign, number, one))
         records.append(_numbered(number, one.course.records[: one.course.tally[0]]))
-        passed += _present(number, one.course.passed)
-        hits += _present(number, one.course.hits)
+        passed.append(_present(number, one.course.passed))
+        hits.append(_present(number, one.course.hits))
     return rows, joined({"records": records, "passed": passed, "hits": hits})
 
 
 def joined(parts: Mapping[str, Sequence[Floats]]) -> dict[str, Floats]:
     """Return the arrays of ``WIDTHS`` from their parts."""
     return {
-        name: np.concatenate([np.empty((0, width)), *parts[name]]) for name, width in WIDTHS.items()
+        name: np.concatenate([np.empty((0, WIDTHS[name])), *arrays])
+        for name, arrays in parts.items()
     }
 
 
@@ -290,7 +291,7 @@ def _numbered(number: int, values: Floats) -> Floats:
     return np.concatenate([np.full((len(values), 1), float(number)), values], axis=1)
 
 
-def _present(number: int, values: Floats) -> Iterator[Floats]:
-    """Give the rows that have values, with the number of the path and their own."""
-    for k in np.flatnonzero(~np.isnan(values[:, -1])).tolist():
-        yield _numbered(number, np.array([[float(k), *values[k]]]))
+def _present(number: int, values: Floats) -> Floats:
+    """Return the rows that have values, with the number of the path and their own before them."""
+    rows = np.flatnonzero(~np.isnan(values[:, -1]))
+    return _numbered(number, np.column_stack([rows, values[rows]]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -30,20 +31,22 @@ def write_page(results: RockfallResults, target: Path | None = None) -> Path:
         "profile": [_rounded(campaign.profile + origin)],
         "blocks": [_rounded(one + origin) for one in standing],
         "barriers": [_rounded(one + origin) for one in campaign.barrier_lines],
-        "paths": [_path(results, row) for row in range(min(SHOWN, len(results)))],
+        "paths": [
+            _path(results, row, records)
+            for row, records in enumerate(islice(results.courses(), SHOWN))
+        ],
     }
     with writing(results.folder):
         return write_rocks(scene, target or results.folder / "paths.html")
 
 
-def _path(results: RockfallResults, row: int) -> dict[str, Any]:
+def _path(results: RockfallResults, row: int, records: Floats) -> dict[str, Any]:
     """Return the rock and the records of a path: time, place, angle, velocities, whether it flies.
 
     The last column is 0 where a rock moves in contact up to the next record.
     """
     number = results.paths["path"][row]
     rock = results.campaign.begin(number).rock
-    records = results.course(row)
     rows = records[:, COLUMNS].copy()
     rows[:, 1:3] += results.campaign.origin
     flies = (records[:, path.KIND] != path.ON_GROUND).astype(np.float64)

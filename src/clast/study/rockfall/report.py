@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -38,8 +39,7 @@ ENVELOPES = {
 def path_lines(results: RockfallResults) -> list[Floats]:
     """Return the first paths as lines (n, 2), m: parabolas in flight, straight on the ground."""
     gravity, lines = results.campaign.gravity, []
-    for number in range(min(PATHS_DRAWN, len(results))):
-        rows = results.course(number)
+    for rows in islice(results.courses(), PATHS_DRAWN):
         flies = rows[:-1, path.KIND] != path.ON_GROUND
         span = np.where(flies, np.diff(rows[:, path.CLOCK]), 0.0)
         time = (span[:, None] * np.linspace(0.0, 1.0, PER_FLIGHT))[:, :, None]

@@ -20,7 +20,7 @@ import numpy as np
 from clast.case.api import case_of
 from clast.case.case_file import Case
 from clast.errors import shortened
-from clast.model.model import Floats, Ints
+from clast.model.model import Floats
 from clast.rockmass.drawings.drawing_files import replaced, write_rows
 from clast.study import study_api
 from clast.study.folder import ARRAYS, BLOWS, StudyFolder, writing
@@ -29,7 +29,7 @@ from clast.study.rockfall.portions import BLOW_COLUMNS, blow_rows, study_of
 from clast.study.study_api import HowMade
 from clast.study.trial_table import pyarrow_for
 from clast.trajectory import path
-from clast.trajectory.campaign import PATH_COLUMNS, WIDTHS, Campaign, joined
+from clast.trajectory.campaign import PATH_COLUMNS, Campaign, joined
 
 QUANTITIES = ("height", "translational", "rotational", "energy", "speed")
 """Measured at stations, in the order of their columns."""
@@ -96,8 +96,6 @@ class RockfallResults:
     campaign: Campaign
     paths: Mapping[str, list[Any]]
     """Column -> values, a row for each path: the rock, where it ended and its largest values."""
-    records: Floats
-    """Starts, blows, stretches on the ground and ends of all paths, (r, 15)."""
     passed: Floats
     """Path, station and largest values of each passage, (q, 7)."""
     hits: Floats
@@ -108,17 +106,17 @@ class RockfallResults:
     @classmethod
     def of(cls, folder: StudyFolder) -> RockfallResults:
         """Return the finished paths of a study."""
-        rows, parts, portions = list[list[Any]](), list[Mapping[str, Floats]](), list[Path]()
+        rows, portions = list[list[Any]](), list[Path]()
+        parts: dict[str, list[Floats]] = {"passed": [], "hits": []}
         for result in folder.results():
             if "rows" in result:
                 rows += result["rows"]
                 portions.append(folder.place(result["run"]))
-                with np.load(portions[-1] / ARRAYS) as kept:
-                    parts.append(dict(kept))
+                for name, arrays in parts.items():
+                    arrays.append(_array(portions[-1], name))
         columns = {name: [row[k] for row in rows] for k, name in enumerate(PATH_COLUMNS)}
-        arrays = joined({name: [part[name] for part in parts] for name in WIDTHS})
         campaign = folder.base.campaign()
-        return cls(folder.path, campaign, columns, portions=tuple(portions), **arrays)
+        return cls(folder.path, campaign, columns, portions=tuple(portions), **joined(parts))
 
     def __len__(self) -> int:
         return len(self.paths["path"])
@@ -129,14 +127,15 @@ class RockfallResults:
         return np.array(self.paths["end_x"], np.float64)
 
     @cached_property
-    def _begins(self) -> Ints:
-        """First record of each path, in the order of its table, and the number of all."""
-        numbers = np.ascontiguousarray(self.records[:, 0])
-        return np.append(np.searchsorted(numbers, self.paths["path"]), len(numbers))
+    def records(self) -> Floats:
+        """Starts, blows, stretches on the ground and ends of all paths, (r, 15)."""
+        return joined({"records": [_array(one, "records") for one in self.portions]})["records"]
 
-    def course(self, row: int) -> Floats:
-        """Return the records of the path in a row of the table, from 0, (r, 14)."""
-        return self.records[self._begins[row] : self._begins[row + 1], 1:]
+    def courses(self) -> Iterator[Floats]:
+        """Give the records of each path, (r, 14), in the order of the table of paths."""
+        for portion in self.portions:
+            records = _array(portion, "records")
+            yield from np.split(records[:, 1:], np.flatnonzero(np.diff(records[:, 0])) + 1)
 
     def blows(self) -> Iterator[list[Any]]:
         """Give the rows of the table of blows, in the order of paths and times."""
@@ -260,6 +259,13 @@ class RockfallResults:
                 pyarrow.parquet.write_table(pyarrow.table(values), file)
             files.append(file)
         return files
+
+
+def _array(portion: Path, name: str) -> Floats:
+    """Return an array of a portion of paths."""
+    with np.load(portion / ARRAYS) as kept:
+        array: Floats = kept[name]
+    return array
 
 
 def rockfall(
