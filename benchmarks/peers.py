@@ -1,9 +1,10 @@
 """clast beside Chipmunk and Box2D v3: the same scenes, one program after the other.
 
     pip install -c constraints.txt pymunk pyb2d3    Chipmunk and Box2D, the group "peers"
-    python -m benchmarks.peers --walls 105 --heaps --wholes    seconds: one small wall
-    python -m benchmarks.peers --walls --heaps --wholes rest   a heap to rest, 100 and 1000 squares
-    python -m benchmarks.peers                                 all of it: hours
+    python -m benchmarks.peers --walls 105          seconds: one small wall
+    python -m benchmarks.peers --wholes rest        a heap to rest, 100 and 1000 squares
+    python -m benchmarks.peers --walls --heaps 1000 --wholes    all but the heap of 10,000
+    python -m benchmarks.peers                      all of it: hours
     python -m benchmarks.peers --page               put what is kept into docs/performance.md
 
 Measured are the time of the processor for a simulated second, the largest horizontal movement of a
@@ -229,26 +230,28 @@ def page_tables(peers: Mapping[str, Any], bench: Mapping[str, Any] | None) -> di
     return tables
 
 
+def chosen(arguments: argparse.Namespace) -> argparse.Namespace:
+    """Return what is to run: all of a kind that is named alone, and all kinds where none is."""
+    kinds = {"walls": list(WALLS), "heaps": list(HEAPS), "wholes": list(WHOLE_SCENES)}
+    given = {kind: getattr(arguments, kind) for kind in kinds}
+    if all(some is None for some in given.values()):
+        return argparse.Namespace(**kinds)
+    named = {kind: kinds[kind] if some == [] else some or [] for kind, some in given.items()}
+    return argparse.Namespace(**named)
+
+
 def main() -> None:
     """Make the runs, or write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--walls", type=int, nargs="*", default=list(WALLS), choices=list(WALLS), help="bricks"
-    )
-    parser.add_argument("--heaps", type=int, nargs="*", default=list(HEAPS), help="squares")
-    parser.add_argument(
-        "--wholes",
-        nargs="*",
-        default=list(WHOLE_SCENES),
-        choices=list(WHOLE_SCENES),
-        help="scenes from beginning to end",
-    )
+    parser.add_argument("--walls", type=int, nargs="*", metavar="BRICKS", choices=list(WALLS))
+    parser.add_argument("--heaps", type=int, nargs="*", metavar="SQUARES")
+    parser.add_argument("--wholes", nargs="*", metavar="SCENE", choices=list(WHOLE_SCENES))
     parser.add_argument(
         "--page", action="store_true", help="put the tables into docs/performance.md"
     )
     arguments = parser.parse_args()
     if not arguments.page:
-        run_all(arguments)
+        run_all(chosen(arguments))
         return
     if not KEPT.exists():
         parser.error(f"there are no figures in {KEPT.relative_to(ROOT)}: run without --page first")

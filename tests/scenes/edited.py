@@ -2,9 +2,12 @@
 
 import http.client
 import json
+import subprocess
+import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 from clast.editor.server import EditServer
 
@@ -29,6 +32,20 @@ def edited_file(path, kind=EditServer, **more):
     server.server_close()
 
 
+@contextmanager
+def started(file):
+    """Yield the process of an editor that was started for a file, and its address."""
+    command = [sys.executable, "-m", "clast", "edit", file.name]
+    running = subprocess.Popen(command, cwd=file.parent, stderr=subprocess.PIPE, text=True)
+    try:
+        line = next(one for one in running.stderr if "edit: " in one)
+        yield running, line.split("edit: ")[1].strip()
+    finally:
+        running.kill()
+        running.wait()
+        running.stderr.close()
+
+
 def until(condition, seconds=120.0):
     """Wait until a condition holds."""
     end = time.monotonic() + seconds
@@ -40,7 +57,7 @@ def until(condition, seconds=120.0):
 def asked(address, path, body=None, **headers):
     """Return status, headers and text of an answer of the editor at an address."""
     place, _, token = address.removeprefix("http://").partition("/#token=")
-    connection = http.client.HTTPConnection(place, timeout=60)
+    connection = http.client.HTTPConnection(place, timeout=120)
     content = None if body is None else json.dumps(body)
     headers = {"Authorization": f"Bearer {token}", **headers}
     connection.request("GET" if body is None else "POST", path, content, headers)
@@ -48,6 +65,22 @@ def asked(address, path, body=None, **headers):
     found = answer.status, answer.headers, answer.read().decode()
     connection.close()
     return found
+
+
+def children(process):
+    """Return the processes that a process has started."""
+    return [*map(int, Path(f"/proc/{process}/task/{process}/children").read_text().split())]
+
+
+def memory(process):
+    """Return the memory of a process, bytes, with its part of what it shares with others."""
+    lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
+
+
+def state_of(address, path="/case", **body):
+    """Return the state of the window at an address, after a request."""
+    return json.loads(asked(address, path, body or None)[2])
 
 
 def rock_text(width, height):

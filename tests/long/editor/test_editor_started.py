@@ -1,52 +1,25 @@
 """`clast edit` as it is started and ended."""
 
-import http.client
-import json
 import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
-from pathlib import Path
-from urllib.parse import urlsplit
 
 from clast.case.templates import TEMPLATES
-from scenes.edited import rock_text
+from scenes.edited import children, memory, rock_text, started, state_of, until
 
 
-@contextmanager
-def started(file):
-    """Yield an editor that was started for a file, and a function that asks it."""
-    command = [sys.executable, "-m", "clast", "edit", file.name]
-    running = subprocess.Popen(command, cwd=file.parent, stderr=subprocess.PIPE, text=True)
-    try:
-        line = next(one for one in running.stderr if "http://" in one)
-        address = urlsplit(line[line.index("http://") :].strip())
-        token = address.fragment.removeprefix("token=")
-        connection = http.client.HTTPConnection(address.netloc, timeout=60)
-
-        def ask(path, **body):
-            content = json.dumps(body) if body else None
-            headers = {"Authorization": f"Bearer {token}"}
-            connection.request("POST" if body else "GET", path, content, headers)
-            return json.loads(connection.getresponse().read())
-
-        yield running, ask
-    finally:
-        running.kill()
-        running.wait()
-
-
-def changed(ask, version, place, toml):
+def changed(address, version, place, toml):
     """Change a value; return the state of the window."""
-    return ask("/edit", version=version, edits=[{"do": "set", "place": place, "toml": toml}])
+    edits = [{"do": "set", "place": place, "toml": toml}]
+    return state_of(address, "/edit", version=version, edits=edits)
 
 
 def test_the_interrupt_key_saves_and_ends(tmp_path):
     file = tmp_path / "slope.toml"
     file.write_text(TEMPLATES["slope"], "utf-8")
-    with started(file) as (running, ask):
-        assert changed(ask, 0, ["title"], '"changed"')["version"] == 1
+    with started(file) as (running, address):
+        assert changed(address, 0, ["title"], '"changed"')["version"] == 1
         running.send_signal(signal.SIGINT)
         assert running.wait(20) == 0
     assert 'title = "changed"' in file.read_text("utf-8")
@@ -56,27 +29,20 @@ def test_memory_stays_below_its_limit_over_a_thousand_edits(tmp_path):
     """Of server and worker together, pages that they share counted once."""
     file = tmp_path / "rock.toml"
     file.write_text(rock_text(140.0, 110.0), "utf-8")
-    with started(file) as (running, ask):
-        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
-        both = (running.pid, int(children.read_text()))
+    with started(file) as (running, address):
+        both = (running.pid, *children(running.pid))
         first = version = 0
         for number in range(1000):
             spacing = f"1.5{number % 97:02d}"
-            version = changed(ask, version, ["joint_set", 0, "spacing"], spacing)["version"]
-            while number % 10 == 0 and not ask("/case")["checked"]:
+            version = changed(address, version, ["joint_set", 0, "spacing"], spacing)["version"]
+            while number % 10 == 0 and not state_of(address)["checked"]:
                 time.sleep(0.02)
             if number == 200:
                 first = sum(memory(one) for one in both)
-        assert ask("/case")["blocks"] or ask("/case")["is_cutting"]
+        assert state_of(address)["blocks"] or state_of(address)["is_cutting"]
         last = sum(memory(one) for one in both)
         assert last < 400e6
         assert last < 1.05 * first
-
-
-def memory(process):
-    """Return the memory of a process, bytes, with its part of what it shares with others."""
-    lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
-    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
 
 
 def refusal(folder, *arguments):
@@ -107,13 +73,10 @@ def test_neither_pictures_nor_cad_are_loaded_for_the_window():
 
 def test_a_case_that_is_not_there_is_begun_and_a_second_editor_has_its_own(tmp_path):
     one, other = tmp_path / "one.toml", tmp_path / "other.toml"
-    with started(one) as (_, ask), started(other) as (_, ask_other):
-        assert ask("/case")["text"] == ""
-        ask("/begin", version=0, text="slope")
-        end = time.monotonic() + 20
-        while not one.exists():
-            assert time.monotonic() < end
-            time.sleep(0.05)
-        assert ask_other("/case")["text"] == ""
+    with started(one) as (_, address), started(other) as (_, beside):
+        assert state_of(address)["text"] == ""
+        state_of(address, "/begin", version=0, text="slope")
+        until(one.exists)
+        assert state_of(beside)["text"] == ""
     assert one.read_text("utf-8") == TEMPLATES["slope"]
     assert not other.exists()

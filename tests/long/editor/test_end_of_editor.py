@@ -1,14 +1,12 @@
 """An editor that is ended or killed while a case runs: the run ends too, with what it has."""
 
 import signal
-import subprocess
-import sys
 
 import pytest
 
 from clast.case.templates import TEMPLATES
 from clast.results import read_results
-from scenes.edited import asked, until
+from scenes.edited import asked, started, until
 
 LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
 
@@ -17,10 +15,7 @@ LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
 def test_a_run_ends_with_its_editor_and_keeps_what_it_has(tmp_path, how):
     path = tmp_path / "case.toml"
     path.write_text(LONG, "utf-8")
-    command = [sys.executable, "-m", "clast", "edit", str(path)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as editor:
-        line = next(line for line in editor.stderr if "edit: " in line)
-        address = line.split("edit: ")[1].strip()
+    with started(path) as (editor, address):
         assert asked(address, "/start", {"version": 0})[0] == 200
         until(lambda: '"time"' in asked(address, "/scene")[2])
         editor.send_signal(how)
