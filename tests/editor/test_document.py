@@ -2,7 +2,10 @@
 
 import os
 import random
+import signal
+import time
 import tomllib
+from contextlib import suppress
 
 import pytest
 from hypothesis import Phase, given, settings
@@ -211,7 +214,7 @@ def test_a_step_leads_to_the_text_and_back(before, after):
 # random hands ------------------------------------------------------------------------------------
 
 VALUES = ["1", "2.50", '"a # b"', "true", "[1, 2]", "[]", "[[0, 1], [2, 3]]"]
-OPERATIONS = ["set", "new", "insert", "remove", "rename", "undo", "redo", "save", "outside"]
+OPERATIONS = "set new insert remove rename undo redo save outside kill".split()
 
 
 def edit_of(do: str, content: dict, chance: random.Random) -> Edit | None:
@@ -236,6 +239,18 @@ class AnyText(Document):
     trouble = None
 
 
+def killed_while_saving(document: Document, after: float) -> None:
+    """Have a process write the text, and kill it so many seconds after its beginning."""
+    writer = os.fork()
+    if writer == 0:
+        with suppress(BaseException):
+            document.write()
+        os._exit(0)
+    time.sleep(after)
+    os.kill(writer, signal.SIGKILL)
+    os.waitpid(writer, 0)
+
+
 def work(path, operations: list[str], seed: int) -> None:
     """Let a hand work at a file, with another on its values alone beside it."""
     path.write_text(ODD, "utf-8", newline="")
@@ -257,6 +272,12 @@ def work(path, operations: list[str], seed: int) -> None:
             path.write_text(f"# by another\n{document.text}", "utf-8", newline="")
             document.look()
             past, future = [*past, f"# by another\n{past[-1]}"], []
+        elif do == "kill":
+            saved = path.read_bytes().decode()
+            killed_while_saving(document, 2e-3 * chance.random())
+            kept = path.read_bytes().decode()
+            assert kept in (saved, document.text)
+            document, past, future = AnyText(path), [kept], []
         elif do == "save":
             document.save()
             assert path.read_bytes().decode() == document.text
@@ -270,9 +291,9 @@ def work(path, operations: list[str], seed: int) -> None:
         tomllib.loads(path.read_bytes().decode())
     while document.steps[0]:
         document.undo(document.version)
-    assert document.text == ODD
+    assert document.text == past[0]
     document.save()
-    assert path.read_bytes().decode() == ODD
+    assert path.read_bytes().decode() == past[0]
 
 
 HANDS = st.lists(st.sampled_from(OPERATIONS), min_size=15, max_size=60)

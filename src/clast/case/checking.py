@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.1
 """Time between two looks at a file that is watched, s."""
-Stamp = tuple[tuple[int, int, int] | None, ...]
-"""Time of change, size and number of files, None for one that is not there."""
+Stamp = tuple[int, int, int] | None
+"""Time of change, size and number of a file, None for one that is not there."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Checked:
     case: Case | None = None
     model: Model | None = None
     summary: CaseSummary | None = None
-    files: Stamp = ()
-    """Of the files that the case names."""
+    files: Mapping[str, Stamp] = field(default_factory=dict)
+    """Those that the case names, with their stamps."""
 
     @property
     def is_whole(self) -> bool:
@@ -119,9 +119,10 @@ def checking(
         yield replace(found, model=None, faults=error.faults, where=where)
 
 
-def stamps_of(case: Case) -> Stamp:
-    """Return the stamps of the files that a case names."""
-    return tuple(stamp_of(Path(case.file).parent / name) for name in case.named_files())
+def stamps_of(case: Case) -> dict[str, Stamp]:
+    """Return the files that a case names, with their stamps."""
+    paths = [Path(case.file).parent / name for name in case.named_files()]
+    return {str(path): stamp_of(path) for path in paths}
 
 
 def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]:
@@ -131,23 +132,23 @@ def checks(path: Path, settings: Iterable[str] = ()) -> Iterator[Checked | None]
     second.
     """
     settings = list(settings)
-    before: Checked | None = None
-    seen: Stamp = ()
+    before, seen = None, None
     while True:
-        now = stamp_of(path), *(stamps_of(before.case) if before and before.case else ())
+        files: dict[str, Stamp] = stamps_of(before.case) if before and before.case else {}
+        now = stamp_of(path), files
         if before is None or now != seen:
             try:
                 before = check(case_text.read_text(path), str(path), settings, before)
             except CaseError as error:  # it has gone, or is no text
                 before = Checked(text="", file=str(path), faults=error.faults)
-            seen = now[0], *before.files
+            seen = now[0], before.files
             yield before
         else:
             yield None
         time.sleep(LOOK_EVERY)
 
 
-def stamp_of(path: Path) -> tuple[int, int, int] | None:
+def stamp_of(path: Path) -> Stamp:
     """Return time of change, size and number of a file, None where there is none."""
     try:
         of = path.stat()

@@ -75,7 +75,8 @@ def _added(at: Places, place: Place, toml: str) -> str:
         return _into(at, above, key, toml)
     if isinstance(key, int):
         return _new_table(at, place, _lines_of(toml))
-    section = _own(at, above)
+    # only a table with a head; the beginning of the text needs none
+    section = next((one for one in at.sections if one.place == above), None)
     if toml.startswith("{") and (not above or section is None):
         return _new_table(at, place, _lines_of(toml))
     if section is not None:
@@ -83,22 +84,12 @@ def _added(at: Places, place: Place, toml: str) -> str:
     dotted = at.lines_under(above)
     if dotted and not at.under(above):
         # of output.interval = 1 the neighbours are written so as well
-        head = _holding(at, dotted[-1])
+        head = next(one for one in at.sections if dotted[-1].last <= one.end)
         keys = ".".join(_key(part) for part in place[len(head.place) :])
         return _new_line(at, head, dotted[-1].last, f"{keys} = {toml}")
     if above[:-1] in at.values:
         return _added(at, above, f"{{{_key(key)} = {toml}}}")
     return _new_table(at, above, [f"{_key(key)} = {toml}"])
-
-
-def _own(at: Places, place: Place) -> Section | None:
-    """Return the table at a place that has a head; the beginning of the text needs none."""
-    return next((one for one in at.sections if one.place == place), None)
-
-
-def _holding(at: Places, line: Written) -> Section:
-    """Return the table in which a line stands."""
-    return next(one for one in at.sections if line.last <= one.end)
 
 
 def _new_line(at: Places, section: Section, after: int, line: str) -> str:

@@ -157,6 +157,11 @@ class EditServer(GuardedServer):
             self.leads = window
             self._tell()
 
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Counts of news of the case, and of runs."""
+        return self.stamp, self.run_news
+
     def _tell_of_runs(self) -> None:
         with self.changed:
             self.run_news += 1
@@ -365,15 +370,12 @@ class EditHandler(Handler):
         server, seen = self.server, (-1, -1)
         while True:
             with server.changed:
-                now = (server.stamp, server.run_news)
-                if now == seen:
-                    server.changed.wait(LIFE)
-                    now = (server.stamp, server.run_news)
+                server.changed.wait_for(lambda: server.counts != seen, LIFE)  # noqa: B023
+                (case, runs), before, seen = server.counts, seen, server.counts
+                news = {} if runs == before[1] else {"runs": as_json(server.runs.as_dict())}
                 # a sign of life where nothing is new
-                news = {"case": server.news()} if now[0] != seen[0] or now == seen else {}
-                if now[1] != seen[1]:
-                    news["runs"] = as_json(server.runs.as_dict())
-                seen = now
+                if case != before[0] or not news:
+                    news["case"] = server.news()
             for kind, content in news.items():
                 self.event(kind, content)
 
@@ -394,13 +396,11 @@ def _shown(document: Document, worker: Worker) -> dict[str, Any]:
         }
     # values that are set may make a case of a text that is none
     trouble = None if worker.settings else document.trouble
-    is_checked = worker.text == document.text
     said = worker.told
-    if trouble is not None or not is_checked:
+    if trouble is not None or worker.text != document.text:
         where = trouble.where.removeprefix(f"{file}: ") if trouble else ""
         faults = trouble.faults if trouble else ()
-        shown = content or {}
-        said = Checked(document.text, file, shown, faults, where).as_dict(places)
+        said = Checked(document.text, file, content or {}, faults, where).as_dict(places)
     return {
         "checked": False,
         **said,

@@ -6,8 +6,6 @@ Files are those in the folder of the case and below it.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
 from itertools import chain, islice
 from pathlib import Path
 from typing import Any
@@ -77,10 +75,10 @@ def underlays_of(case: Path) -> tuple[Underlays, str]:
         return Underlays(), f"{path.name} is left unread: it is not a list of underlays"
 
 
-def stamps_under(case: Path) -> Stamp:
+def stamps_under(case: Path) -> list[Stamp]:
     """Return the stamps of the list of underlays and of their files."""
-    names = (one.file for one in underlays_of(case)[0].underlays)
-    return stamp_of(case.with_suffix(ENDING)), *(stamp_of(case.parent / name) for name in names)
+    names = (case.parent / one.file for one in underlays_of(case)[0].underlays)
+    return [stamp_of(one) for one in (case.with_suffix(ENDING), *names)]
 
 
 def shown_under(case: Path) -> dict[str, Any]:
@@ -114,17 +112,12 @@ def beside(case: Path, name: str) -> Path:
 def files_beside(case: Path) -> list[str]:
     """Return the names of drawings and pictures in the folder of a case and below, sorted."""
     folder = case.resolve().parent
-
-    def found() -> Iterator[str]:
-        for here, folders, names in os.walk(folder):
-            at = Path(here).relative_to(folder)
-            is_deep = len(at.parts) >= DEEP_MAX - 1
-            folders[:] = [one for one in folders if one[0] not in "._" and not is_deep]
-            yield from ((at / one).as_posix() for one in names if not one.endswith(ENDING))
-
     endings = (*DRAWING_ENDINGS, *PICTURE_ENDINGS)
-    known = (one for one in islice(found(), LOOKED_MAX) if one.lower().endswith(endings))
-    return sorted(islice(known, LISTED_MAX))
+    patterns = ("[!._]*/" * depth + "*" for depth in range(DEEP_MAX))
+    looked = islice(chain.from_iterable(map(folder.glob, patterns)), LOOKED_MAX)
+    known = (one for one in looked if one.name.lower().endswith(endings) and one.is_file())
+    names = (one.relative_to(folder).as_posix() for one in known if not one.match(f"*{ENDING}"))
+    return sorted(islice(names, LISTED_MAX))
 
 
 def picture(case: Path, name: str) -> tuple[str, bytes]:

@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from threading import Condition
 from typing import IO, Any
@@ -28,11 +29,7 @@ class Worker:
     """Has texts checked one after the other; ``changed`` guards it, ``tell`` tells windows."""
 
     def __init__(
-        self,
-        file: str,
-        changed: Condition,
-        tell: Callable[[], None],
-        settings: Sequence[str] = (),
+        self, file: str, changed: Condition, tell: Callable[[], None], settings: Sequence[str] = ()
     ) -> None:
         self.text, self.told = "", dict[str, Any]()
         """The text that was checked last, and the findings about it, of ``Checked.as_dict``."""
@@ -60,10 +57,9 @@ class Worker:
 
     def look(self) -> None:
         """Check the text again where files that it names have changed."""
-        named = self.told.get("named", ())
-        if not self.is_busy and any(
-            stamp_of(Path(name)) != (stamp and tuple(stamp)) for name, stamp in named
-        ):
+        named = self.told.get("named", {})
+        now = {name: stamp_of(Path(name)) for name in named}
+        if not self.is_busy and as_json(now) != as_json(named):
             self._given = None
 
     def stop(self) -> None:
@@ -86,8 +82,9 @@ class Worker:
                     if section:
                         self.section, self.sections = section, self.sections + 1
                         self.seconds = time.monotonic() - begun
-                    if told["blocks"] is not None:
-                        self.off = _too_many(told["blocks"])
+                    if (blocks := told["blocks"]) is not None:
+                        many = f"{blocks} blocks are not cut at every change"
+                        self.off = many if blocks > LIVE_MOST else ""
                     self._tell()
         except (OSError, EOFError, ValueError):  # its pipes end, or were closed
             self._begin_again()
@@ -110,10 +107,6 @@ class Worker:
             if not self._is_stopped:
                 self.off = f"the process that cuts has ended ({ended}), perhaps for want of memory"
             self._process = _begun(self._command)
-
-
-def _too_many(blocks: int) -> str:
-    return f"{blocks} blocks are not cut at every change" if blocks > LIVE_MOST else ""
 
 
 def _begun(command: list[str]) -> subprocess.Popen[bytes]:
@@ -155,21 +148,12 @@ def main(file: str, settings: Sequence[str], texts: IO[bytes], answers: IO[bytes
     for line in texts:
         drawn = None
         for found in checking(json.loads(line), file, settings, last):
-            names = found.case.named_files() if found.case else ()
-            named = [
-                (str(Path(file).parent / name), stamp)
-                for name, stamp in zip(names, found.files, strict=True)
-            ]
-            told = {**found.as_dict(), "checked": found.is_whole, "named": named}
+            told = {**found.as_dict(), "checked": found.is_whole, "named": found.files}
             # the same blocks are not drawn a second time
             section = "" if drawn and drawn is found.model else as_json(section_of(found))
             last, drawn = found, found.model
             answers.write(f"{as_json(told)}\n{section}\n".encode())
             answers.flush()
-
-
-def _say(line: str) -> None:
-    sys.stderr.write(f"{line}\n")
 
 
 def as_json(content: Any) -> str:
@@ -178,5 +162,5 @@ def as_json(content: Any) -> str:
 
 
 if __name__ == "__main__":
-    with suppress(BrokenPipeError), compilation_told(_say):
+    with suppress(BrokenPipeError), compilation_told(partial(print, file=sys.stderr)):
         main(sys.argv[1], sys.argv[2:], sys.stdin.buffer, sys.stdout.buffer)

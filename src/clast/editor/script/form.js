@@ -68,7 +68,8 @@ function Tree({ ctx, chosen }) {
 
 function Branch({ ctx, place, chosen, text, count = null, children }) {
   const faults = ctx.faults.filter((one) => place.length ? startsWith(one.place, place) : one.place.length < 2 && !isTable(at(ctx.content, one.place))).length;
-  return html`<li><button aria-current=${key(place) === key(chosen) ? "true" : null} data-table=${key(place)} onClick=${() => ctx.choose(place)}>${text}
+  return html`<li><button aria-current=${key(place) === key(chosen) ? "true" : null} data-table=${key(place)}
+    draggable=${place.length > 1} onDragStart=${(e) => e.dataTransfer.setData(`clast/${place[0]}`, key(place))} onClick=${() => ctx.choose(place)}>${text}
     ${count === null ? "" : html` <small>${count}</small>`}${faults ? html` <b class="mark" title=${`${faults} to put right`}>${faults}</b>` : ""}</button>${children}</li>`;
 }
 

@@ -4,6 +4,8 @@ import { toml } from "./values.js";
 const TABLES = ["bolt", "bolt_pattern", "lining", "viscous_boundary"];
 /** Tables whose entries name the stage that they come with. */
 const LOADS = ["point_load", "line_load", "pressure", "fill", "load_train", "water"];
+const HELD = { opening: "excavate", well: "install", ...Object.fromEntries(LOADS.map((table) => [table, "loads"])) };
+/** Tables whose entries a stage names -> the key of the stage. */
 const BRINGS = [["excavate", "digs"], ["install", "installs"], ["loads", "loads"], ["flow_boundary", "heads at"], ["joint", "joints"]];
 const OFFERS = [
   ["excavate", ({ opening }) => namesOf(opening), "dug here ..."],
@@ -66,8 +68,27 @@ export class Strip {
     button.append(name, ...this.brought(stage ?? {}).map((line) => Object.assign(document.createElement("small"), { textContent: line })));
     if (number === this.number) button.setAttribute("aria-current", "true");
     button.addEventListener("click", () => this.show(number));
+    const dragged = (e) => e.dataTransfer.types.find((type) => type.startsWith("clast/") && [...TABLES, ...Object.keys(HELD)].includes(type.slice(6)));
+    if (stage?.name !== undefined && number >= 0) {
+      item.addEventListener("dragover", (e) => { if (dragged(e) && !this.state.looks_on) e.preventDefault(); });
+      item.addEventListener("drop", (e) => { e.preventDefault(); this.bring(JSON.parse(e.dataTransfer.getData(dragged(e))), number); });
+    }
     item.append(button);
     return item;
+  }
+
+  /** Let an entry of the case come with a stage, and with no other any more. */
+  bring([table, k], number) {
+    const entry = this.state.content[table]?.[k], { name } = this.stages[number], key = HELD[table];
+    const edits = key ? [] : [{ do: "set", place: [table, k, "stage"], toml: toml(name) }];
+    if (key && entry?.name === undefined) return;
+    if (key) this.stages.forEach((stage, at) => {
+      const held = Array.isArray(stage?.[key]) ? stage[key] : [], place = ["stage", at, key];
+      const now = held.filter((one) => one !== entry.name).concat(at === number ? [entry.name] : []);
+      if (now.length) edits.push({ do: "set", place, toml: toml(now) });
+      else if (held.length) edits.push({ do: "remove", place });
+    });
+    this.hand.edit(edits).then((done) => done && this.show(number));
   }
 
   /** What a stage brings, a line each. */
