@@ -33,9 +33,9 @@ def edited_file(path, kind=EditServer, **more):
 
 
 @contextmanager
-def started(file):
+def started(file, *options):
     """Yield the process of an editor that was started for a file, and its address."""
-    command = [sys.executable, "-m", "clast", "edit", file.name]
+    command = [sys.executable, "-m", "clast", "edit", file.name, *options]
     running = subprocess.Popen(command, cwd=file.parent, stderr=subprocess.PIPE, text=True)
     try:
         line = next(one for one in running.stderr if "edit: " in one)

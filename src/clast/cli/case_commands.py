@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clast.cli.options import (
+    HERE,
     AsJson,
     CaseFile,
     Live,
@@ -23,6 +24,7 @@ from clast.cli.options import (
     Settings,
     Threads,
     Verbose,
+    address_of,
     make_folder,
     words,
 )
@@ -68,7 +70,7 @@ def followed(
         finally:
             led.over()
         return
-    page = LivePage(output, _address(at), wants_line=progress)
+    page = LivePage(output, address_of(at or HERE, "--live-at"), wants_line=progress)
     say(f"live: {page.address}")
     try:
         try:
@@ -87,21 +89,6 @@ def _stay(page: LivePage) -> None:
     page.over()
     if page.is_watched():
         page.wait()
-
-
-def _address(written: str) -> str:
-    """Return where the page is to be; raises CaseError for a bad address."""
-    from clast.pictures.live.leader import HERE
-
-    host, colon, port = (written or HERE).rpartition(":")
-    if not (colon and host and port.isdecimal() and int(port) < 2**16):
-        raise CaseError(
-            f"'{shortened(written)}' is not a valid address",
-            where="--live-at",
-            remedy="write host and port, e.g. 127.0.0.1:8080; for viewers on other machines "
-            "give the address of this one in their network",
-        )
-    return f"{host}:{port}"
 
 
 def run(

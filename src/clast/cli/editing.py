@@ -7,12 +7,9 @@ from typing import Annotated
 
 import typer
 
-from clast.cli.options import Settings
+from clast.cli.options import HERE, Settings, address_of
 from clast.cli.terminal import say
 from clast.errors import CaseError
-
-HERE = ("127.0.0.1", 0)
-"""This machine alone, and a port that is free."""
 
 
 def edit(
@@ -23,6 +20,10 @@ def edit(
     view: Annotated[
         bool, typer.Option("--view", help="Show the section only, beside another text editor.")
     ] = False,
+    at: Annotated[
+        str,
+        typer.Option("--at", metavar="HOST:PORT", help="Address of the window."),
+    ] = HERE,
     settings: Settings = None,
 ) -> None:
     """Edit a case file in a browser on this machine: forms, its text, faults at their fields."""
@@ -45,5 +46,13 @@ def edit(
     elif begins(case):
         say(f"new: {case} is written when the window has a case for it")
     kind, name = (ViewServer, "view") if view else (EditServer, "edit")
+    host, _, port = address_of(at, "--at").rpartition(":")
+    if not host.startswith("127."):
+        say(f"warning: --at {at}: whoever reads what goes to this address can edit the case")
     with compilation_told(say):
-        serve(kind(HERE, case, settings or ()), lambda address: say(f"{name}: {address}"))
+        try:
+            server = kind((host, int(port)), case, settings or ())
+        except OSError as error:
+            what, remedy = f"cannot be served: {error.strerror}", "name another address or port"
+            raise CaseError(what, where=f"--at {at}", remedy=remedy) from None
+        serve(server, lambda address: say(f"{name}: {address}"))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 
 if TYPE_CHECKING:
     from clast.results import Results
@@ -54,6 +54,23 @@ LiveAt = Annotated[
         help="The same at this address, e.g. 127.0.0.1:8080; - for lines of JSON on stdout.",
     ),
 ]
+
+
+HERE = "127.0.0.1:0"
+"""This machine alone, and a port that is free."""
+
+
+def address_of(written: str, option: str) -> str:
+    """Return where a page is to be, as HOST:PORT; raises CaseError for a bad address."""
+    host, colon, port = written.rpartition(":")
+    if not (colon and host and port.isdecimal() and int(port) < 2**16):
+        raise CaseError(
+            f"'{shortened(written)}' is not a valid address",
+            where=option,
+            remedy="write host and port, e.g. 127.0.0.1:8080; for viewers on other machines "
+            "give the address of this one in their network",
+        )
+    return f"{host}:{port}"
 
 
 def _share(threads: int | None) -> None:

@@ -205,6 +205,7 @@ class Child:
             "frames": self.feed.frames,
             "outcome": self.outcome,
             "seconds": round(self.seconds),
+            "pace": self.feed.pace,
         }
 
 

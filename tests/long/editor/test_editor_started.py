@@ -80,3 +80,16 @@ def test_a_case_that_is_not_there_is_begun_and_a_second_editor_has_its_own(tmp_p
         assert state_of(beside)["text"] == ""
     assert one.read_text("utf-8") == TEMPLATES["slope"]
     assert not other.exists()
+
+
+def test_a_window_is_served_at_an_address_of_ones_own(tmp_path):
+    file = tmp_path / "slope.toml"
+    file.write_text(TEMPLATES["slope"], "utf-8")
+    with started(file, "--at", "127.0.0.2:0") as (_, address):
+        assert address.startswith("http://127.0.0.2:")
+        assert state_of(address)["text"] == TEMPLATES["slope"]
+        port = address.split(":")[2].split("/")[0]
+        told = refusal(tmp_path, "slope.toml", "--at", f"127.0.0.2:{port}")
+    assert "cannot be served" in told and "name another address or port" in told
+    assert "is not a valid address" in refusal(tmp_path, "slope.toml", "--at", "here")
+    assert "whoever reads" in refusal(tmp_path, "slope.toml", "--at", "256.0.0.1:0")

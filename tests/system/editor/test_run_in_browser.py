@@ -1,6 +1,7 @@
 """Runs of a case from its window as a person makes them: run, look, pause, end, compare."""
 
 import os
+import re
 import signal
 
 import pytest
@@ -24,6 +25,8 @@ def test_a_case_is_run_looked_at_and_changed_since(window):
     page.click("#run")
     over(page)
     assert page.text_content("#ran") == "run 1: the run reached its end"
+    until(page, "/some \\d+ s/.test(document.getElementById('saved').textContent)")
+    assert re.search(r"some \d+ steps, some \d+ s, ", page.text_content("#saved"))
     run = page.frame_locator("#page iframe")
     run.locator("text=the run is over").wait_for()
     assert page.is_hidden("#section")

@@ -54,7 +54,8 @@ function draw() {
   const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;
   const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
     : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
-  const size = state.blocks === null ? "" : [`${state.blocks} blocks`, state.steps !== null && `some ${state.steps} steps`, section.sizes].filter(Boolean).join(", ");
+  const takes = runs.shown?.pace * state.steps * state.blocks; // as the run that is shown
+  const size = state.blocks === null ? "" : [`${state.blocks} blocks`, state.steps !== null && `some ${state.steps} steps`, takes > 0 && `some ${takes < 90 ? `${Math.ceil(takes)} s` : `${Math.round(takes / 60)} min`}`, section.sizes].filter(Boolean).join(", ");
   const news = [state.looks_on && `${state.leads === TEXT_EDITOR ? "a text editor" : "another window"} edits this case`, saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
   if ($("saved").textContent !== news) $("saved").textContent = news;
   if (said !== told) { // what is told already is not told again
@@ -146,7 +147,7 @@ async function listen() {
         rest = events.pop();
         for (const event of events) {
           const news = JSON.parse(event.slice(event.indexOf("data: ") + 6));
-          if (event.startsWith("event: runs")) runs.show(news); else show(news);
+          if (event.startsWith("event: runs")) runs.show(news).then(() => runs.shown?.over && draw()); else show(news);
         }
       }
     } catch { $("saved").textContent = "the editor has ended, or does not answer"; }

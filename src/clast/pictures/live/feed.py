@@ -56,6 +56,14 @@ class Feed:
         return None if self._results is None else self._results.report
 
     @property
+    def pace(self) -> float | None:
+        """Wall time for a block and step of a run that is over, s."""
+        run, report = self._results, self.report
+        if run is None or report is None or not report.steps:
+            return None
+        return report.wall_seconds / (report.steps * len(run.block_name))
+
+    @property
     def is_over(self) -> bool:
         """Whether the run has ended."""
         return bool(self.status.get("over"))
