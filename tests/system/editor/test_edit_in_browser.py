@@ -218,7 +218,9 @@ def test_an_entry_is_moved_and_duplicated(template):
     saved(page, file, TEMPLATES["slope"])
     page.click(".form button >> text=/^duplicate$/")
     until(page, f"clastEditor.state.content.joint_set.length === {len(names) + 1}")
-    assert content(page, "joint_set", 2) == content(page, "joint_set", 1)
+    copied = content(page, "joint_set", 2)
+    assert copied.pop("name") == f"{names[1]} 2"
+    assert {"name": names[1], **copied} == content(page, "joint_set", 1)
 
 
 def test_what_others_name_is_removed_as_somebody_chooses(template):
