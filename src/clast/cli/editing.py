@@ -47,7 +47,7 @@ def edit(
         say(f"new: {case} is written when the window has a case for it")
     kind, name = (ViewServer, "view") if view else (EditServer, "edit")
     host, _, port = address_of(at, "--at").rpartition(":")
-    if not host.startswith("127."):
+    if host != "localhost" and not host.startswith("127."):
         say(f"warning: --at {at}: whoever reads what goes to this address can edit the case")
     with compilation_told(say):
         try:

@@ -93,11 +93,8 @@ class ThisProcess:
 
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Make the runs that are not done, now; their errors are raised here."""
-        missing = [run for run in runs if self.bench.folder.result(run) is None]
-        for run in missing:
-            self.bench.make(run)
         made: Future[int] = Future()
-        made.set_result(len(missing))
+        made.set_result(self.bench.make_missing(runs))
         return made
 
     def renew(self, place: int) -> None:
@@ -124,7 +121,7 @@ class Processes:
     def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
         """Have a portion of runs made by a worker."""
         if self.here and place == 0:
-            return self._thread.submit(self._make_here, self.here, runs)
+            return self._thread.submit(self.here.make_missing, runs, lambda: not self._is_over)
         self._made[place] = self._made.get(place, 0) + len(runs)
         if not self.here and place in self._pools and self._made[place] > RUNS_PER_WORKER_MAX:
             self.renew(place)
@@ -138,11 +135,6 @@ class Processes:
         except BrokenExecutor:  # it died while it had nothing to do
             self.renew(place)
             return self.submit(place, folder, runs)
-
-    def _make_here(self, bench: Bench, runs: list[int]) -> int:
-        """Make the runs that are not done, up to the end; return how many were made."""
-        left = (run for run in runs if not self._is_over and bench.folder.result(run) is None)
-        return sum(1 for run in left if bench.make(run))
 
     def renew(self, place: int) -> None:
         """Have a new worker at a place."""

@@ -66,16 +66,13 @@ def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
 
     Where the process ``driver`` that asked for them has ended, this one does too, between runs.
     """
-    made = 0
+
+    def is_wanted() -> bool:
+        return not driver or os.getppid() == driver
+
     with writing(Path(folder)):
-        bench = Bench.of(StudyFolder.opened(Path(folder)))
-        for run in runs:
-            if driver and os.getppid() != driver:
-                break
-            if bench.folder.result(run) is None:
-                bench.make(run)
-                made += 1
-    if driver and os.getppid() != driver:
+        made = Bench.of(StudyFolder.opened(Path(folder))).make_missing(runs, is_wanted)
+    if not is_wanted():
         os._exit(0)  # nobody reads the answer, and nobody asks again
     return made
 
@@ -128,6 +125,17 @@ class Bench:
     def campaign(self) -> Campaign:
         """The rocks of a study of rockfall."""
         return self.folder.base.campaign()
+
+    def make_missing(self, runs: Sequence[int], goes_on: Callable[[], bool] = lambda: True) -> int:
+        """Make the runs that are not done, as long as it goes on; return how many were made."""
+        made = 0
+        for run in runs:
+            if not goes_on():
+                break
+            if self.folder.result(run) is None:
+                self.make(run)
+                made += 1
+        return made
 
     def make(self, run: int) -> dict[str, Any]:
         """Make a run; return its result, which is written down."""

@@ -79,14 +79,14 @@ export class Strip {
 
   /** Let an entry of the case come with a stage, and with no other any more. */
   bring([table, k], number) {
-    const entry = this.state.content[table]?.[k], { name } = this.stages[number], key = HELD[table];
-    const edits = key ? [] : [{ do: "set", place: [table, k, "stage"], toml: toml(name) }];
-    if (key && entry?.name === undefined) return;
-    if (key) this.stages.forEach((stage, at) => {
-      const held = Array.isArray(stage?.[key]) ? stage[key] : [], place = ["stage", at, key];
-      const now = held.filter((one) => one !== entry.name).concat(at === number ? [entry.name] : []);
-      if (now.length) edits.push({ do: "set", place, toml: toml(now) });
-      else if (held.length) edits.push({ do: "remove", place });
+    const entry = this.state.content[table]?.[k], { name } = this.stages[number], saysIt = TABLES.includes(table), key = HELD[table] ?? "install";
+    const edits = saysIt ? [{ do: "set", place: [table, k, "stage"], toml: toml(name) }] : [];
+    if (!saysIt && entry?.name === undefined) return;
+    this.stages.forEach((stage, at) => {
+      const held = Array.isArray(stage?.[key]) ? stage[key] : [], place = ["stage", at, key], isHere = at === number && !saysIt;
+      if (held.includes(entry?.name) === isHere) return;
+      const now = isHere ? [...held, entry.name] : held.filter((one) => one !== entry.name);
+      edits.push(now.length ? { do: "set", place, toml: toml(now) } : { do: "remove", place });
     });
     this.hand.edit(edits).then((done) => done && this.show(number));
   }

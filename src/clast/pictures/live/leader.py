@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from clast.run.run_state import Halt
     from clast.run.schedule import Progress
 
-HERE = "127.0.0.1:0"
-"""This machine alone, and a port that is free."""
 ORDERS = ("pause", "go", "step", "end", "checkpoint")
 """Requests of a page."""
 
@@ -148,7 +146,9 @@ class Led:
 class LivePage(Led):
     """The page of a run that writes ``output``; it goes where ``progress`` of a run goes."""
 
-    def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
+    def __init__(
+        self, output: Path | str, at: str = "127.0.0.1:0", *, wants_line: bool = False
+    ) -> None:
         self._process = subprocess.Popen(
             [sys.executable, "-m", "clast.pictures.live", str(Path(output).resolve()), at],
             stdin=subprocess.PIPE,

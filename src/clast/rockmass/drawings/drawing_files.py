@@ -89,7 +89,7 @@ def write_rows(path: Path, rows: Iterable[Iterable[Any]]) -> int:
         text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
         writer = csv.writer(text, lineterminator="\n")
         for row in rows:
-            writer.writerow([one if type(one) is float else as_text(one) for one in row])
+            writer.writerow(map(as_text, row))
             count += 1
         text.detach()
     return count
