@@ -24,10 +24,8 @@ from clast.linear.opening_joints import OpeningJoints
 from clast.linear.system import stretches
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
-from clast.read_only import quick
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
     """The start of a step, as far as actions may know it."""
@@ -123,7 +121,6 @@ class Prescribed:
     """Their velocities at its end, shape (k, 6)."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
     """The contribution of an action to the equations of a step."""
@@ -155,7 +152,6 @@ NO_CONTRIBUTION = Contribution()
 """That of an action that adds nothing."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Solution:
     """The solution of a step, as far as actions need to know it."""
@@ -188,7 +184,6 @@ class Solution:
         )
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class ActionResult:
     """The result of an action in a step: work, energy and its state."""

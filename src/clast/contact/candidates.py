@@ -13,7 +13,6 @@ from clast.contact.memory import first_rows, pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
-from clast.read_only import quick
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +35,6 @@ class SearchDistance:
         return np.zeros(count) if self.travel is None else self.travel
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Candidates:
     """Candidate edges, grouped by (vertex, block of the edge); m candidates in k groups."""

@@ -21,7 +21,7 @@ from clast.compute.reductions import in_part
 from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints
-from clast.read_only import changed, quick
+from clast.read_only import changed
 
 # --- one spring ----------------------------------------------------------------------------
 
@@ -56,7 +56,6 @@ Rows = Ints | slice
 # --- all springs ---------------------------------------------------------------------------
 
 
-@quick
 @dataclass(frozen=True)
 class Clipped:
     """Springs f = clip(f0 - k x, low, high), one for each link."""
@@ -91,7 +90,6 @@ class Clipped:
         return Clipped(*result)
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Springs:
     """Links between points of two blocks, each with a normal and a shear spring.
@@ -167,7 +165,6 @@ NO_COUPLING: Floats = np.zeros(0)
 """dT/dN of springs: the bounds of a force do not follow the other one."""
 
 
-@quick
 @dataclass(frozen=True)
 class Forces:
     """Forces of springs, and their stiffness."""

@@ -9,10 +9,8 @@ import numpy as np
 from clast.contact.jacobian import rows_of
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactHistory
-from clast.read_only import quick
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Places:
     """Where contacts are; m contacts in the order of their pairs of blocks."""
@@ -47,7 +45,6 @@ class Places:
     """Row of the contact in the memory, or -1, shape (m,)."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Contacts(Places, ContactHistory):
     """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
@@ -116,7 +113,6 @@ def chosen(contacts: Contacts, kept: Bools) -> Contacts:
     return replace(contacts, **{name: getattr(contacts, name)[kept] for name in names})
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ContactResponse:
     """Forces of the contacts at the end of a step and how they change with gap and slip.
@@ -149,7 +145,6 @@ class ContactResponse:
         return f"ContactResponse({count} contacts, normal force at most {most:.4g} N/m)"
 
 
-@quick
 @dataclass(frozen=True)
 class SpringLimits:
     """Linear springs with bounds: offered by a law whose forces are clipped straight lines.

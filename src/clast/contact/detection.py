@@ -38,7 +38,7 @@ from clast.contact.memory import (
 )
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 
 
 def detect(
@@ -144,7 +144,6 @@ def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> 
 # where fixed blocks are one body (model/bodies.py) ----------------------------------------------
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class _Sought:
     """Outlines on which contacts are looked for, with numbers of their own."""

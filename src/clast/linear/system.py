@@ -12,7 +12,6 @@ from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly, block_matrix
 from clast.model.model import Bools, Floats, Ints
-from clast.read_only import quick
 
 Rows = tuple[Ints, Ints, Ints]
 """Right (n + 1,), left (n + 1,) and listed (q,) of pairs (linear/block_matrix.py)."""
@@ -24,7 +23,6 @@ LinearisedForces = ContactResponse | Forces
 """Forces of links, linearised (see ContactResponse)."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class DiagonalTerms:
     """Block diagonal and right-hand side: everything of a step but the contacts."""

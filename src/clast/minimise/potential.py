@@ -44,7 +44,7 @@ from clast.minimise.line_search import (
     slopes,
 )
 from clast.model.model import Bools, Floats
-from clast.read_only import changed, quick
+from clast.read_only import changed
 
 MOMENTUM_SHARE = 1e-4
 """Weight of the energy of motion among the forces that tolerances refer to."""
@@ -68,7 +68,6 @@ class Law(Protocol):
         ...
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Point:
     """Unknowns d, and the potential's derivatives there."""
@@ -115,7 +114,6 @@ class Line:
     """Share of the direction that each island goes, shape (islands.count,)."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Potential:
     """The incremental potential energy of a step."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.model.arrays import no_bools, no_floats, no_ints
 from clast.model.model import Bools, Floats, Ints, Model
-from clast.read_only import quick, seal
+from clast.read_only import seal
 
 POINT_NUMBERS = 14
 """Numbers that points of a contact may have."""
@@ -51,7 +51,6 @@ class ContactHistory:
     """True while the contact is bonded, or has slipped but not opened since, shape (k,)."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ContactMemory(ContactHistory):
     """Memory of a contact from step to step, keyed by (vertex, block of the edge).
@@ -126,7 +125,6 @@ def entry(kind: Kind) -> Any:
     return field(default=0.0, metadata={"kind": kind})
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
@@ -218,7 +216,6 @@ _stored, _brought, _lost = (
 )
 
 
-@quick
 @dataclass(frozen=True, kw_only=True, repr=False)
 class State:
     """One instant of a run."""

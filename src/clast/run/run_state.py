@@ -8,7 +8,6 @@ from typing import Protocol, runtime_checkable
 
 from clast.model.stage_records import Event
 from clast.model.state import Ledger, State
-from clast.read_only import quick
 from clast.run.run_checks import Watched
 from clast.run.schedule import Progress
 from clast.run.stages.stage_position import Position
@@ -16,7 +15,6 @@ from clast.run.stages.static_path import OnPath
 from clast.step.method import StepResult
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Tally:
     """Counts of a run so far."""

@@ -53,7 +53,7 @@ from clast.minimise.strategy import MinimisationStrategy, SmallIslands
 from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 from clast.step.energy_balance import noise_of, round_off
 from clast.step.impact import ImpactResult, after_impacts, bearing, first_bases, scheme_of
 from clast.step.integration import HalfWay, answer, half_way
@@ -260,7 +260,6 @@ class Convex:
         )
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class FrictionLoop:
     """How near a minimum is asked for whose normal forces are to bound friction."""
@@ -282,7 +281,6 @@ class FrictionLoop:
     """How a step is rejected whose bounds do not come to agree; None: it is kept all the same."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Search:
     """The minimum with friction bounds, bonds and multipliers in accord with it."""

@@ -27,7 +27,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 from clast.step.method import Method, StepSolution
 from clast.step.prescribed import DrivenBlocks
 from clast.step.start import StepContext
@@ -97,7 +97,6 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.brought)
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepEnd:
     """The end of a step, in directions of its start."""

@@ -26,7 +26,7 @@ from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
 from clast.model.model import Floats, Model
 from clast.model.state import ContactMemory, State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 from clast.step.energy_balance import StepEnd, balance
 from clast.step.integration import end_velocity
 from clast.step.method import StepResult, StepSolution
@@ -152,7 +152,6 @@ def reject_tunnelled(
         )
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepMotion:
     """Where a displacement takes the system."""

@@ -39,7 +39,7 @@ from clast.contact.memory import order_by
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 from clast.step import collisions, inertia_projection
 from clast.step.integration import HalfWay, Scheme
 from clast.step.start import StepContext
@@ -63,7 +63,6 @@ of g h, which must not count again.
 """
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class ImpactResult:
     """The result of the impacts of a step for its equations."""

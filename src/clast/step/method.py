@@ -26,7 +26,6 @@ from clast.linear.pattern import Patterns
 from clast.linear.solvers import DIRECTION_TOLERANCE, LinearSolver, inexact
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
-from clast.read_only import quick
 from clast.step.integration import Integrator, Scheme
 
 
@@ -60,7 +59,6 @@ class Workspace:
         return kept
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepResult:
     """The result of one accepted step."""
@@ -94,7 +92,6 @@ class StepResult:
         return self.counts["passes"]
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepSolution:
     """Displacements and contact forces that solve the equations of a step."""

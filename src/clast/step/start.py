@@ -28,14 +28,13 @@ from clast.contact.detection import detect
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.read_only import changed, quick
+from clast.read_only import changed
 from clast.step import inertia_projection
 from clast.step.integration import Scheme, forces_at
 from clast.step.method import Method, Workspace
 from clast.step.prescribed import DrivenBlocks, held_by
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class StepContext:
     """A step that has begun: all that its equations are made from."""

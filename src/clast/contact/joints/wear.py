@@ -31,7 +31,7 @@ from clast.contact.joints.barton_bandis import (
 from clast.contact.laws import has_multipliers, normal_stiffness_of
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Ints
-from clast.read_only import changed, quick, read_only
+from clast.read_only import changed, read_only
 
 NONE = read_only(np.zeros(0, np.int64))
 """Rows of no contact."""
@@ -39,7 +39,6 @@ SLIP_MIN = 1e-6
 """Least slip of a step that counts as sliding, in units of that at the peak."""
 
 
-@quick
 @dataclass(frozen=True, kw_only=True)
 class Wear:
     """Slides of contacts in a step, and how far these open them."""
