@@ -1,11 +1,13 @@
 """Loops made of a body that says nothing of threads."""
 
 import os
+import signal
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from numba.np.ufunc import parallel as numba_threads
 
 from clast.compute.jit import BY_THREADS
 from clast.compute.parallel import Sharing, shared, summed
@@ -69,3 +71,19 @@ def test_the_same_by_several_threads():
         check=False,
     )
     assert answer.returncode == 0, answer.stdout
+
+
+# --- forks ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")
+def test_a_fork_that_is_killed_keeps_no_lock():
+    numba_threads._launch_threads()
+    lock, child = numba_threads._backend_init_process_lock, os.fork()
+    if child == 0:
+        numba_threads._launch_threads()
+        numba_threads._backend_init_process_lock.acquire()
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(child, 0)
+    assert lock.acquire(timeout=5.0), "threads would wait for it for ever"
+    lock.release()

@@ -33,7 +33,7 @@ import numpy as np
 from numba import extending
 from numba import prange as prange
 from numba.core import cgutils, types
-from numba.np.ufunc.parallel import threading_layer
+from numba.np.ufunc import parallel as numba_threads
 
 from clast.compute.jit import BY_THREADS, kernel, start_threads
 
@@ -209,8 +209,10 @@ def work_alone() -> None:
     GNU's OpenMP would wait for ever for its threads, which did not come along, and numba ends a
     process that calls it there.  By one thread it is sound; the results are the same.
     """
+    # numba has one lock for a process and its forks, and a fork that is killed would keep it
+    numba_threads._backend_init_process_lock = None
     numba.set_num_threads(1)
-    if threading_layer() != "omp":
+    if numba_threads.threading_layer() != "omp":
         return
     # numba refuses OpenMP to any other process than the one that last asked for its threads.  It
     # does not start them a second time.
