@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from os.path import commonprefix
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,8 @@ class Step:
     @classmethod
     def between(cls, before: str, after: str, gesture: str = "") -> Step:
         """Return the step from one text to another, without their common beginning and end."""
-        at = _shared(before, after)
-        tail = _shared(before[at:][::-1], after[at:][::-1])
+        at = len(commonprefix([before, after]))  # noqa: RUF071, these are no paths
+        tail = len(commonprefix([before[at:][::-1], after[at:][::-1]]))  # noqa: RUF071
         return cls(at, before[at : len(before) - tail], after[at : len(after) - tail], gesture)
 
     def back(self) -> Step:
@@ -149,8 +150,6 @@ class Document:
         for of_text in ("trouble", "read"):
             vars(self).pop(of_text, None)
 
-    # --- the file -----------------------------------------------------------------------------
-
     def look(self) -> None:
         """Take the file as another program left it, as one step, or tell of a conflict.
 
@@ -204,9 +203,3 @@ def begins(path: Path) -> bool:
     """Return whether a path names a case that is not there yet, but may be."""
     is_free = not path.exists() and not path.is_symlink()
     return is_free and path.suffix == ".toml" and path.absolute().parent.is_dir()
-
-
-def _shared(one: str, other: str) -> int:
-    """Return how many characters two texts have in common at their beginning."""
-    pairs = enumerate(zip(one, other, strict=False))
-    return next((at for at, (a, b) in pairs if a != b), min(len(one), len(other)))

@@ -47,9 +47,6 @@ def edited(text: str, edit: Edit, file: str = "case", places: Places | None = No
     return changed
 
 
-# values ------------------------------------------------------------------------------------------
-
-
 def _set(at: Places, place: Place, toml: str) -> str:
     toml, value = _literal(place, toml), at.values.get(place)
     if value is not None:
@@ -175,9 +172,6 @@ def _own_line(text: str, at: int) -> str | None:
     return before if not before.strip() else None
 
 
-# taking away and naming --------------------------------------------------------------------------
-
-
 def _remove(at: Places, place: Place, _: str) -> str:
     held = at.values.get(place)
     if held is not None and not held.is_line:
@@ -251,9 +245,6 @@ _WAYS: Mapping[str, Callable[[Places, Place, str], str]] = {
     "rename": _rename,
     "swap": _swap,
 }
-
-
-# texts -------------------------------------------------------------------------------------------
 
 
 def _literal(place: Place, toml: str) -> str:

@@ -12,7 +12,7 @@ OF_PAGES = (
 """Modules of the page of a run that draw the section, each after those that it imports."""
 SCRIPTS = (
     "values hand reference handles curve copies form snaps choices signs draw underlay start text "
-    "search picture study run stages edit"
+    "search picture version study run stages edit"
 ).split()
 """Modules of the page, each after those that it imports."""
 

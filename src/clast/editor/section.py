@@ -54,17 +54,7 @@ def scene_of_stages(model: Model, stages: Sequence[Stage]) -> dict[str, Any]:
         recorder.enter(number, None)
         recorder.instant(state)
         recorder.frame(state)
-    report = Report(
-        finished=False,
-        outcome="not run",
-        steps=0,
-        passes=0,
-        cut_steps=0,
-        largest_contacts=0,
-        largest_penetration=0.0,
-        ledger=start.ledger,
-        wall_seconds=0.0,
-    )
+    report = Report(finished=False, outcome="not run", ledger=start.ledger)
     return scene_of(recorder.finish(report), budget=0.0)
 
 

@@ -110,19 +110,18 @@ def beside(case: Path, name: str) -> Path:
 
 
 def files_beside(case: Path) -> list[str]:
-    """Return the names of drawings and pictures in the folder of a case and below, sorted."""
+    """Return the names of drawings and pictures in the folder of a case and below, sorted.
+
+    Links that lead elsewhere are left out.
+    """
     folder = case.resolve().parent
     endings = (*DRAWING_ENDINGS, *PICTURE_ENDINGS)
     patterns = ("[!._]*/" * depth + "*" for depth in range(DEEP_MAX))
     looked = islice(chain.from_iterable(map(folder.glob, patterns)), LOOKED_MAX)
-    known = (one for one in looked if one.name.lower().endswith(endings) and _is_in(folder, one))
-    names = (one.relative_to(folder).as_posix() for one in known if not one.match(f"*{ENDING}"))
+    known = (one for one in looked if one.name.lower().endswith(endings) and one.is_file())
+    own = (one for one in known if one.resolve().is_relative_to(folder))
+    names = (one.relative_to(folder).as_posix() for one in own if not one.match(f"*{ENDING}"))
     return sorted(islice(names, LISTED_MAX))
-
-
-def _is_in(folder: Path, path: Path) -> bool:
-    """Return whether a path is that of a file in a folder, not of a link that leads elsewhere."""
-    return path.is_file() and path.resolve().is_relative_to(folder)
 
 
 def picture(case: Path, name: str) -> tuple[str, bytes]:

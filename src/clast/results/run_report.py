@@ -26,19 +26,19 @@ class Report:
     """True where the run reached its end."""
     outcome: str
     """How the run ended, in words, with advice where it could not go on."""
-    steps: int
+    steps: int = 0
     """Accepted steps."""
-    passes: int
+    passes: int = 0
     """Assemblies and solves in the accepted steps."""
-    cut_steps: int
+    cut_steps: int = 0
     """Steps that were tried again with a smaller step."""
-    largest_contacts: int
+    largest_contacts: int = 0
     """Largest number of contacts in a step."""
-    largest_penetration: float
+    largest_penetration: float = 0.0
     """Largest penetration at the end of a step, m."""
     ledger: Ledger
     """Energy ledger at the end."""
-    wall_seconds: float
+    wall_seconds: float = 0.0
     """Time that the run took, s of wall clock, without the time in which kernels were compiled."""
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall clock per stage of the step, s; and "compilation", where kernels were compiled."""

@@ -22,10 +22,11 @@ def over(page):
 
 def test_a_case_is_run_looked_at_and_changed_since(window):
     page, file, _ = window(TEMPLATES["incline"])
+    until(page, "/perhaps \\d+ s,/.test(document.getElementById('saved').textContent)")
     page.click("#run")
     over(page)
     assert page.text_content("#ran") == "run 1: the run reached its end"
-    until(page, "/some \\d+ s/.test(document.getElementById('saved').textContent)")
+    until(page, "/some \\d+ s,/.test(document.getElementById('saved').textContent)")
     assert re.search(r"some \d+ steps, some \d+ s, ", page.text_content("#saved"))
     run = page.frame_locator("#page iframe")
     run.locator("text=the run is over").wait_for()

@@ -11,6 +11,7 @@ import { offerStarts } from "./start.js";
 import { offerReference } from "./reference.js";
 import { TextPane } from "./text.js";
 import { Underlays } from "./underlay.js";
+import { Version } from "./version.js";
 
 const $ = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
@@ -22,6 +23,8 @@ const TEXT_EDITOR = "text editor";
 /** Leads where no window edits. */
 const LONG = 2000;
 /** How long a cut may take until it can be stopped, ms. */
+const STEP = 6e-4, BLOCK = 2e-5;
+/** Time of a step on a usual machine and of each block in it, s, before any run has told better. */
 let said = "", hand = null, pane = null, section = null, sections = 0, patience = 0, tools = null, refer = null, runs = null, strip = null, under = null;
 
 async function fetched(path, body) {
@@ -52,10 +55,10 @@ function draw() {
   $("undo").disabled = !state.undo[0];
   $("redo").disabled = !state.undo[1];
   const count = state.faults.length, many = `${count} ${count === 1 ? "fault" : "faults"}`;
-  const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? "saved"
+  const saved = state.conflict !== null ? "not saved: another program wrote the file" : !state.unsaved ? (state.text ? "saved" : "nothing is in the file yet")
     : state.refused_as_case ? `not saved: ${many}` : "not saved yet";
-  const takes = runs.shown?.pace * state.steps * state.blocks; // as the run that is shown
-  const size = state.blocks === null ? "" : [`${state.blocks} blocks`, state.steps !== null && `some ${state.steps} steps`, takes > 0 && `some ${takes < 90 ? `${Math.ceil(takes)} s` : `${Math.round(takes / 60)} min`}`, section.sizes].filter(Boolean).join(", ");
+  const pace = runs.shown?.pace, takes = state.steps * (pace ? pace * state.blocks : STEP + BLOCK * state.blocks); // as the run that is shown
+  const size = state.blocks === null ? "" : [`${state.blocks} blocks`, state.steps !== null && `some ${state.steps} steps`, takes > 0 && `${pace ? "some" : "perhaps"} ${takes < 90 ? `${Math.ceil(takes)} s` : `${Math.round(takes / 60)} min`}`, section.sizes].filter(Boolean).join(", ");
   const news = [state.looks_on && `${state.leads === TEXT_EDITOR ? "a text editor" : "another window"} edits this case`, saved, size, state.off, state.trouble, state.refused].filter(Boolean).join(" - "), told = JSON.stringify([state.faults, state.warnings, state.notes]);
   if ($("saved").textContent !== news) $("saved").textContent = news;
   if (said !== told) { // what is told already is not told again
@@ -181,6 +184,7 @@ export async function main() {
   });
   under = new Underlays(section, { ask, fetched, state, hand, goTo });
   offerPictures(section, state);
+  new Version(section, { state, differing });
   offerSearch($("search"), $("found"), { state, hand, choose, goTo });
   offerStarts($("start"), { state, hand, ask });
   globalThis.clastEditor = { state, hand, goTo, section, tools, under, pane, runs, strip };

@@ -88,6 +88,8 @@ export class Section {
     this.lit = null;
     /** What lies under the section: has ``draw(pen)``, ``take(x, y)`` and ``points()``, m. */
     this.under = null;
+    /** A version that is kept beside it: has ``draw()``. */
+    this.beside = null;
     this.state = { frame: 0, field: "rock", share: null, limits: null, layers: new Set(), chosen: -1, joint: null };
     /** Layers that somebody has switched: whether they are on. */
     this.wanted = new Map();
@@ -311,6 +313,7 @@ export class Section {
     const pen = this.penOf(this.above);
     this.drawAbove(pen);
     if (this.origin) this.tools?.drawHand(pen);
+    this.beside?.draw();
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }
 

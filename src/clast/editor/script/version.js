@@ -1,0 +1,42 @@
+/** A version of the case kept beside the section: the same place drawn as it was, and the lines of the text that differ. */
+import { View } from "../../pictures/page/script/view.js";
+
+/** Keeps a drawing when it is asked to; ``differing`` writes the lines that two texts do not share. */
+export class Version {
+  constructor(section, { state, differing }) {
+    Object.assign(this, { section, state, differing, kept: null, text: "" });
+    const button = document.createElement("button");
+    Object.assign(button, { textContent: "Compare", title: "Keep this version beside those that follow" });
+    section.root.querySelector(".legend details").before(button);
+    this.panel = document.createElement("section");
+    Object.assign(this.panel, { className: "version", hidden: true, ariaLabel: "Version that is kept" });
+    this.panel.innerHTML = '<div><canvas role="img" aria-label="Drawing of the version that is kept"></canvas></div><p>Kept to compare <button>close</button></p><pre tabindex="0" aria-label="What differs from the version that is kept"></pre>';
+    section.root.querySelector(".beside").prepend(this.panel);
+    button.addEventListener("click", () => this.keep());
+    this.panel.querySelector("button").addEventListener("click", () => { this.kept = null; section.changed(); });
+    section.beside = this;
+  }
+
+  /** Keep what is seen now: a section of its own that stays, looked at from the same place. */
+  keep() {
+    const { section, state } = this, { run, origin, lines, showsFile } = section;
+    const own = { view: new View(), state: { ...section.state, chosen: -1 }, marks: [], place: [], moving: [], tools: null, under: null };
+    this.kept = origin && Object.assign(Object.create(section), { run, origin, lines, showsFile, ...own });
+    this.text = state.text;
+    section.changed();
+  }
+
+  /** Draw it at the place that the section shows. */
+  draw() {
+    const { section, kept, panel } = this, { x, y, scale } = section.view;
+    panel.hidden = !kept;
+    if (!kept) return;
+    const canvas = panel.querySelector("canvas"), { clientWidth: width, clientHeight: height } = canvas.parentElement, dots = Math.min(2, devicePixelRatio || 1);
+    [canvas.width, canvas.height] = [width * dots, height * dots];
+    Object.assign(kept.view, { width, height, scale, x: x + section.origin[0] - kept.origin[0], y: y + section.origin[1] - kept.origin[1] });
+    const pen = kept.penOf(canvas, kept.theme.paper);
+    kept.drawBelow(pen);
+    kept.drawAbove(pen);
+    panel.querySelector("pre").textContent = this.differing(this.state.text, this.text, "kept") || "The same text.";
+  }
+}
