@@ -37,6 +37,8 @@ NONE = read_only(np.zeros(0, np.int64))
 """Rows of no contact."""
 SLIP_MIN = 1e-6
 """Least slip of a step that counts as sliding, in units of that at the peak."""
+LANDS = 1e-6
+"""Share of its normal force with which a contact begins at most that lands in the step."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,7 +238,8 @@ def after_slip(
     slid[rows] = np.where(rubs, slides.slid, slid[rows])
     opened[rows] = slope[rows] * slides.slid
     # by the angle of the stress that slopes are of
-    begun = np.where(contacts.normal_force > 0.0, contacts.normal_force, response.normal_force)
+    bore = contacts.normal_force > LANDS * np.maximum(response.normal_force, 0.0)
+    begun = np.where(bore, contacts.normal_force, response.normal_force)
     wanted = opening(table, contacts, begun, slid) - opened
     rest, reached, energy, loss = _made_up_for(asperities, contacts, response, gap - opened, wanted)
     dilation = np.maximum(contacts.dilation + opened + rest, 0.0)
