@@ -14,6 +14,7 @@ import numpy as np
 from clast.actions.active import actions_of
 from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
+from clast.contact.memory import memory_order
 from clast.model.arrays import areas
 from clast.model.model import Model
 from clast.model.state import POINT_NUMBERS, ContactMemory, State
@@ -23,7 +24,6 @@ from clast.run.schedule import Schedule
 from clast.run.stages.equilibrium import MODES
 from clast.run.stages.stage_position import Position
 from clast.run.stages.static_path import OnPath
-from clast.run.stages.transition import memory_order
 from clast.step.method import Method
 
 

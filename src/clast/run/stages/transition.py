@@ -29,6 +29,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.joints.barton_bandis import rough_contacts
 from clast.contact.joints.bonds import are_closed, flush_edges
 from clast.contact.laws import normal_stiffness_of
+from clast.contact.memory import memory_order
 from clast.model.ground_motion import GroundMotion, InStages, Still
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stage_records import Event
@@ -375,10 +376,3 @@ WITHOUT_HISTORY = (
     *("slide_length", "slide", "slide_speed", "dilation"),
 )
 """Fields of the memory that contacts without a history lack."""
-
-
-def memory_order(vertex: Ints, block: Ints, edge: Ints, point: Ints) -> Ints:
-    """Return the order of contacts in the memory: vertices, then points of faces."""
-    inside = point > 0
-    keys = np.where(inside, edge, block), np.where(inside, point, edge)
-    return np.lexsort((keys[1], keys[0], vertex, inside))
