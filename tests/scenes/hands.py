@@ -6,6 +6,7 @@ import tomllib
 from scenes.browsers import until
 
 CANVAS = "#section canvas[tabindex]"
+FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 class Hand:
@@ -35,6 +36,8 @@ class Hand:
         self.page.click(f'[data-tool="{name}"]')
         if label:
             self.page.select_option("[aria-label='Drawn table']", label=label)
+        # its fields may have moved the section, which is drawn anew in the next frame
+        self.page.evaluate(FRAMES)
 
     def type(self, *texts):
         for text in texts:

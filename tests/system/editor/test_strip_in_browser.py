@@ -57,8 +57,8 @@ def test_count_smallest_block_and_edge_are_in_sight(tunnel):
     area, _, _ = polygon.moments(model.vertices, model.block_start)
     _, edges = polygon.edges(model.vertices, model.block_start)
     name = model.block_name[int(area.argmin())]
-    told = f"182 blocks, some 800 steps, smallest block {name} of {area.min():.3g} m², shortest "
-    told += f"edge {edges.min():.3g} m"
+    told = f"182 blocks, some 800 steps, perhaps 4 s, smallest block {name} of "
+    told += f"{area.min():.3g} m², shortest edge {edges.min():.3g} m"
     until(page, f"document.getElementById('saved').textContent.includes('{told}')")
 
 

@@ -11,7 +11,7 @@ export class Version {
     this.panel = document.createElement("section");
     Object.assign(this.panel, { className: "version", hidden: true, ariaLabel: "Version that is kept" });
     this.panel.innerHTML = '<div><canvas role="img" aria-label="Drawing of the version that is kept"></canvas></div><p>Kept to compare <button>close</button></p><pre tabindex="0" aria-label="What differs from the version that is kept"></pre>';
-    section.root.querySelector(".beside").prepend(this.panel);
+    section.root.querySelector(".beside").append(this.panel);
     button.addEventListener("click", () => this.keep());
     this.panel.querySelector("button").addEventListener("click", () => { this.kept = null; section.changed(); });
     section.beside = this;
