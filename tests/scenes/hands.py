@@ -19,6 +19,8 @@ class Hand:
         self.corner = box["x"], box["y"]
 
     def at(self, x, y):
+        """Return where a place is on the screen, when all that has changed is drawn."""
+        self.page.evaluate(FRAMES)
         box = self.page.locator("#section canvas[tabindex]").bounding_box()
         px, py = self.page.evaluate("(at) => clastEditor.section.screen(at)", [x, y])
         return box["x"] + px, box["y"] + py
@@ -36,8 +38,6 @@ class Hand:
         self.page.click(f'[data-tool="{name}"]')
         if label:
             self.page.select_option("[aria-label='Drawn table']", label=label)
-        # its fields may have moved the section, which is drawn anew in the next frame
-        self.page.evaluate(FRAMES)
 
     def type(self, *texts):
         for text in texts:
