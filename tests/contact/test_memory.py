@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from clast.contact.contacts import ContactResponse
 from clast.contact.joints.wear import at_rest
-from clast.contact.memory import first_rows, recall, renew
+from clast.contact.memory import first_rows, memory_order, recall, renew
 from scenes.corners import memory_of
 from scenes.systems import at_start, box, contacts_of, march, method, system
 
@@ -21,6 +21,15 @@ def rows_of(rows):
     """Return the memory of {((vertex, block), edge)}, sorted as the state keeps it."""
     table = np.array([[*key, edge] for key, edge in sorted(rows)], np.int64).reshape(-1, 3)
     return memory_of(*table.T, np.zeros(len(table)), shear_force=np.arange(len(table)) + 1.0)
+
+
+@given(rows=st.lists(st.tuples(*[st.integers(0, 3)] * 4), unique=True, max_size=20))
+def test_the_memory_has_vertices_before_points_of_faces(rows):
+    vertex, block, edge, point = np.array(rows, np.int64).reshape(-1, 4).T.copy()
+    corners, inside = np.flatnonzero(point == 0).tolist(), np.flatnonzero(point).tolist()
+    corners.sort(key=lambda row: (vertex[row], block[row], edge[row]))
+    inside.sort(key=lambda row: (vertex[row], edge[row], point[row]))
+    assert memory_order(vertex, block, edge, point).tolist() == corners + inside
 
 
 @given(remembered=st.sets(ROW, max_size=14), found=st.sets(ROW, max_size=14), data=st.data())

@@ -7,7 +7,6 @@ has slid round to the next edge takes the memory of the old one along.
 from __future__ import annotations
 
 from dataclasses import fields
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,10 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.contacts import OPEN, ContactResponse, Contacts, Places
-from clast.contact.joints.bonds import had_by_faces
+from clast.contact.joints.bonds import had_by_faces, torn
 from clast.contact.joints.wear import Wear
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactHistory, ContactMemory
-from clast.read_only import made
 
 
 @kernel()
@@ -207,11 +205,6 @@ def _depths(pairs, vertex_block, memory):
 
 # the memory of the next step -------------------------------------------------------------------
 
-NUMBERS = tuple(one.name for one in fields(ContactHistory) if one.type == "Floats")
-"""Numbers of the history of a contact."""
-RENEWED = ("vertex", "block", "edge", "point", "mode", "gap", *NUMBERS, "bonded", "cohesive")
-"""Columns of the memory in the order in which it is renewed."""
-
 
 def renew(
     contacts: Contacts,
@@ -230,54 +223,33 @@ def renew(
     that has opened forgets its shear force, and its force at the start; one that is open further
     than critdis loses its bond and all cohesion.
     """
-    given = contacts.point, response.mode, contacts.mode
-    keys = contacts.vertex, contacts.edge_block, contacts.edge, *given
-    bonds = response.bonded, contacts.bonded, contacts.cohesive
-    forces = response.normal_force, response.shear_force, contacts.multiplier, contacts.rest_force
-    ways = contacts.slip, contacts.slide_length, contacts.slide
-    places = gap, contacts.rest_gap, slip
-    worn = wear.path, wear.slid, wear.speed, wear.dilation
-    rows = _renewed(keys, bonds, forces, ways, places, worn, critdis)
-    return made(ContactMemory, dict(zip(RENEWED, chain(*rows), strict=True)))
-
-
-@kernel()
-def _renewed(keys, bonds, forces, ways, places, worn, critdis):
-    """Return whole numbers (5, m), numbers (10, m) and bonds (2, m) in the order of RENEWED."""
-    order = memory_order(keys[0], keys[1], keys[2], keys[3])
-    count, given = len(order), (keys, bonds, forces, ways, places, worn)
-    whole, kept = np.empty((5, count), np.int64), np.empty((2, count), np.bool_)
-    numbers = np.empty((10, count))
-    _renew(count, order, given, critdis, whole, numbers, kept)
-    return whole, numbers, kept
-
-
-@shared(CONTACTS)
-def _renew(first, last, order, given, critdis, whole, numbers, kept):
-    """Write the rows ``first`` to ``last`` - 1 of the memory."""
-    keys, (bonded, was_bonded, cohesive), forces, ways, (gap, rest_gap, slip), worn = given
-    vertex, block, edge, point, mode, was = keys
-    normal, shear, multiplier, rest = forces
-    slipped, length, slide = ways
-    path, slid, speed, dilation = worn
-    for k in range(first, last):
-        c = order[k]
-        whole[0, k], whole[1, k], whole[2, k] = vertex[c], block[c], edge[c]
-        whole[3, k], whole[4, k] = point[c], mode[c]
-        is_open, is_near = mode[c] == OPEN, gap[c] <= critdis
-        is_torn = was_bonded[c] and not bonded[c] and normal[c] < 0.0
-        kept[0, k] = bonded[c] and is_near
-        kept[1, k] = cohesive[c] and is_near and not is_torn
-        # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
-        # that carries tension as long as its bond
-        ends = gap[c] >= 0.0 if rest[c] < 0.0 and not bonded[c] else is_open
-        is_made = not is_open or was[c] != OPEN or was_bonded[c] or slipped[c] != 0.0
-        numbers[0, k] = gap[c] + rest_gap[c]  # from the edge, not from the rest of the spring
-        numbers[1, k], numbers[2, k] = normal[c], 0.0 if is_open else shear[c]
-        numbers[3, k], numbers[4, k] = multiplier[c], 0.0 if ends else rest[c]
-        numbers[5, k] = slipped[c] + slip[c] if is_made else 0.0
-        numbers[6, k], numbers[7, k] = length[c] + path[c], slide[c] + slid[c]
-        numbers[8, k], numbers[9, k] = speed[c], dilation[c]
+    mode, bonded, rest = response.mode, response.bonded, contacts.rest_force
+    is_open, is_near = mode == OPEN, gap <= critdis
+    made = ~is_open | (contacts.mode != OPEN) | contacts.bonded | (contacts.slip != 0.0)
+    # a spring that rests behind its edge, and carries nothing there, ends in front of it; one
+    # that carries tension as long as its bond
+    ends = np.where((rest < 0.0) & ~bonded, gap >= 0.0, is_open)
+    rows = {
+        "vertex": contacts.vertex,
+        "block": contacts.edge_block,
+        "edge": contacts.edge,
+        "point": contacts.point,
+        "mode": mode,
+        "bonded": bonded & is_near,
+        "cohesive": contacts.cohesive & ~torn(contacts, response) & is_near,
+        "gap": gap + contacts.rest_gap,  # from the edge, not from the rest of the spring
+        "normal_force": response.normal_force,
+        "shear_force": np.where(is_open, 0.0, response.shear_force),
+        "multiplier": contacts.multiplier,
+        "rest_force": np.where(ends, 0.0, rest),
+        "slip": np.where(made, contacts.slip + slip, 0.0),
+        "slide_length": contacts.slide_length + wear.path,
+        "slide": contacts.slide + wear.slid,
+        "slide_speed": wear.speed,
+        "dilation": wear.dilation,
+    }
+    order = memory_order(contacts.vertex, contacts.edge_block, contacts.edge, contacts.point)
+    return ContactMemory(**{name: one.take(order) for name, one in rows.items()})
 
 
 @kernel()

@@ -302,10 +302,17 @@ def _rounded(places: Places, model: Model) -> Floats:
     return np.asarray(ROUNDED_GAP * np.sqrt(np.minimum(*(model.area.take(one) for one in blocks))))
 
 
+def torn(contacts: Contacts, response: ContactResponse) -> Bools:
+    """Return which bonds end because of tension, shape (m,)."""
+    ended = contacts.bonded & ~response.bonded
+    in_tension: Bools = ended & (response.normal_force < 0.0)
+    return in_tension
+
+
 def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
     """Return the contacts without the bonds that the ``response`` says have ended."""
     ended, cohesive = contacts.bonded & ~response.bonded, contacts.cohesive
-    cohesive = cohesive & ~(ended & (response.normal_force < 0.0))  # those in tension
+    cohesive = cohesive & ~torn(contacts, response)
     residual = contacts.residual_cohesion
     # a law of one's own may end bonds that slip leaves whole
     slipped = np.where(np.isnan(residual), contacts.cohesion, residual)
