@@ -68,7 +68,7 @@ def drawing(window):
             page.wait_for_selector("#start[open]")
             page.keyboard.press("Escape")  # begins with nothing at all
         until(page, "clastEditor.section.origin !== null && clastEditor.state.sections > 0")
-        # news of the check that come while the hand is on its way would take its first click away
+        # messages of the check take room from the section, which is fitted anew until it is moved
         until(page, "clastEditor.state.checked || clastEditor.state.faults.length > 0")
         return Hand(page)
 

@@ -4,7 +4,7 @@ import { View } from "../../pictures/page/script/view.js";
 /** Keeps a drawing when it is asked to; ``differing`` writes the lines that two texts do not share. */
 export class Version {
   constructor(section, { state, differing }) {
-    Object.assign(this, { section, state, differing, kept: null, text: "" });
+    Object.assign(this, { section, state, differing, kept: null, text: "", drawn: "" });
     const button = document.createElement("button");
     Object.assign(button, { textContent: "Compare", title: "Keep this version beside those that follow" });
     section.root.querySelector(".legend details").before(button);
@@ -17,26 +17,30 @@ export class Version {
     section.beside = this;
   }
 
-  /** Keep what is seen now: a section of its own that stays, looked at from the same place. */
+  /** Keep what is seen now: a section of its own that stays, with the tables of its file, looked at from the same place. */
   keep() {
-    const { section, state } = this, { run, origin, lines, showsFile } = section;
-    const own = { view: new View(), state: { ...section.state, chosen: -1 }, marks: [], place: [], moving: [], tools: null, under: null };
-    this.kept = origin && Object.assign(Object.create(section), { run, origin, lines, showsFile, ...own });
-    this.text = state.text;
+    const { section, state } = this, { run, origin, lines, marks, showsFile } = section;
+    const tools = Object.assign(Object.create(section.tools), { state: { ...state, chosen: [] }, where: "" });
+    const own = { view: new View(), state: { ...section.state, chosen: -1 }, lit: null, place: [], moving: [], tools, under: null };
+    this.kept = tools.section = origin && Object.assign(Object.create(section), { run, origin, lines, marks, showsFile, ...own });
+    [this.text, this.drawn] = [state.text, ""];
     section.changed();
   }
 
-  /** Draw it at the place that the section shows. */
+  /** Draw it at the place that the section shows, and the lines that differ, where either has changed. */
   draw() {
-    const { section, kept, panel } = this, { x, y, scale } = section.view;
+    const { section, kept, panel, state } = this, { x, y, scale } = section.view;
     panel.hidden = !kept;
     if (!kept) return;
     const canvas = panel.querySelector("canvas"), { clientWidth: width, clientHeight: height } = canvas.parentElement, dots = Math.min(2, devicePixelRatio || 1);
+    const drawn = [x, y, scale, width, height, section.origin, state.version].join();
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
     [canvas.width, canvas.height] = [width * dots, height * dots];
     Object.assign(kept.view, { width, height, scale, x: x + section.origin[0] - kept.origin[0], y: y + section.origin[1] - kept.origin[1] });
     const pen = kept.penOf(canvas, kept.theme.paper);
     kept.drawBelow(pen);
     kept.drawAbove(pen);
-    panel.querySelector("pre").textContent = this.differing(this.state.text, this.text, "kept") || "The same text.";
+    panel.querySelector("pre").textContent = this.differing(state.text, this.text, "kept") || "The same text.";
   }
 }
