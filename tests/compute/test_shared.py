@@ -76,7 +76,7 @@ def test_the_same_by_several_threads():
 # --- forks ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")
+@pytest.mark.skipif(sys.platform != "linux", reason="numba has that lock where forks are usual")
 def test_a_fork_that_is_killed_keeps_no_lock():
     numba_threads._launch_threads()
     lock, child = numba_threads._backend_init_process_lock, os.fork()

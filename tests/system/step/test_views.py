@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
+from clast.contact.joints.wear import after_slip
+from clast.read_only import changed
 from clast.results import Run
+from clast.step import finish
 from scenes.jittered import excavated, thrown
 from scenes.parted import Placed
 from scenes.views import Tables, View
@@ -53,3 +56,24 @@ def test_impacts_links_and_motions_do_not_depend_on_the_view(seed: int) -> None:
     for name, view in VIEWS.items():
         other, _ = seen(case, view)
         assert np.abs(other - moved).max() < within, name
+
+
+def test_a_rounding_error_is_no_force_at_the_beginning_of_a_step(monkeypatch) -> None:
+    """Of rough contacts that land the angle is that of the force at the end of their step."""
+    ends, landed = [], 0
+
+    def noted(*given):
+        ends.append(given)
+        return after_slip(*given)
+
+    monkeypatch.setattr(finish, "after_slip", noted)
+    seen(thrown(3), FIRST)
+    for asperities, contacts, response, *rest in ends:
+        begun, lands = contacts.normal_force, (contacts.normal_force == 0.0) & (response.mode > 0)
+        nearly = changed(contacts, normal_force=np.where(lands, 1e-11, begun))
+        opened, other = (
+            after_slip(asperities, one, response, *rest).wear.dilation for one in (contacts, nearly)
+        )
+        np.testing.assert_allclose(other, opened, rtol=0, atol=1e-12)
+        landed += int((lands & (opened > 0.0)).sum())
+    assert landed > 0
