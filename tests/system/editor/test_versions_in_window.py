@@ -44,5 +44,7 @@ def test_a_version_stays_beside_those_that_follow(window):
     here, kept = page.evaluate(CENTRES)
     assert here == pytest.approx(kept, abs=1e-9)
     assert page.evaluate(DOTS) != dots
+    page.click("#strip ol button >> nth=3")
+    until(page, f"{KEPT}.state.frame === 3")
     page.click(".version >> text=close")
     until(page, f"{KEPT} === null && document.querySelector('.version').hidden")
