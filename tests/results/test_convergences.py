@@ -84,6 +84,7 @@ def test_it_counts_from_a_reset_and_is_a_measure():
     assert at_half == pytest.approx(rate * 0.5 * END, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_it_is_in_file_tables_summary_and_pictures(tmp_path):
     case = pair().case(step=1e-3, end=END)
     path = tmp_path / "pair.vtkhdf"
