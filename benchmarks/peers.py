@@ -121,11 +121,9 @@ def whole(name: str, size: int) -> Setting:
 
 def programs(scene: str) -> list[Program]:
     """Return the programs for a scene: what moves has a step and stiffness of its own."""
-    own: list[Program] = [Clast(0.0025, 0.1, travel=2.0)]
+    own: list[Program] = [Clast(0.005, 0.1 if scene in ("collapse", "slide") else 1.0, travel=2.0)]
     if scene == "wall":
         own = [Clast(0.05), Clast(0.005)]
-    elif scene in ("heap", "rest"):
-        own = [Clast(0.005, 1.0, travel=2.0)]
     return [*own, Chipmunk(10), Chipmunk(50), Box2D(), Box2D(500.0)]
 
 
