@@ -7,6 +7,7 @@ import pytest
 from scenes.browsers import settled, until
 from scenes.live_runs import live_command
 
+pytestmark = pytest.mark.parametrize("browser", ["canvas"], indirect=True)  # no pixels
 FRAME = "clastPage.state.frame"
 
 

@@ -9,6 +9,7 @@ import clast
 from clast.pictures.page.frame_data import NOISE
 from scenes.browsers import settled, until
 
+pytestmark = pytest.mark.parametrize("browser", ["canvas"], indirect=True)  # no pixels
 FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "": 1.0}
 FIELDS = {
     "Displacement": "displacement",
