@@ -517,3 +517,28 @@ def test_a_part_of_the_frames_is_what_the_whole_has(wall):
     assert count == 6 and part["times"] == whole["times"][2:]
     assert part["contacts"]["count"] == whole["contacts"]["count"][2:]
     assert np.isfinite(part["motion"]["x"]["high"])
+
+
+READS = """
+import threading, time
+from pathlib import Path
+from types import SimpleNamespace
+from h5py._objects import phil
+from clast.pictures.live import feed as feeds
+begun = threading.Event()
+def reads(*_):
+    with phil:
+        begun.set()
+        time.sleep(1.0)
+    return {}
+feeds.scene_of, feed = reads, feeds.Feed(Path("none"))
+feed._results = SimpleNamespace(times=[])
+threading.Thread(target=feed.scene, daemon=True).start()
+begun.wait()
+feed.close()
+"""
+
+
+def test_a_process_ends_while_its_result_file_is_read():
+    ended = subprocess.run([sys.executable, "-c", READS], timeout=60, capture_output=True)
+    assert ended.returncode == 0, ended.stderr.decode()

@@ -29,6 +29,7 @@ def edited_file(path, kind=EditServer, **more):
     server.worker.close()
     for one in threads:
         one.join()
+    server.runs.close()
     server.server_close()
 
 

@@ -78,7 +78,8 @@ class Child:
         self.number = int(folder.name)
         self.feed, self.study = Feed(case.with_suffix(".vtkhdf")), case.with_name("study")
         self.process: subprocess.Popen[bytes] | None = None
-        self.asked_to_end = False
+        self.asked_to_end, self.is_over = False, True
+        """Whether it was asked to end, and whether it has, with all that it has left taken up."""
         self.table: dict[str, Any] | None = None
         """The results of a study as they come: heads and rows."""
         self.begun = time.monotonic()
@@ -105,11 +106,6 @@ class Child:
         pages = (self.study / name for name in ("paths.html", "report.html"))
         return next((page for page in pages if page.exists()), None)
 
-    @property
-    def is_over(self) -> bool:
-        """Whether it has ended."""
-        return self.process is None or self.process.poll() is not None
-
     def start(self, words: Sequence[str]) -> None:
         """Start the command."""
         is_run = words[0] == "run"
@@ -126,6 +122,7 @@ class Child:
                 stderr=log,
                 start_new_session=True,  # the interrupt key is for the editor
             )
+        self.is_over = False
 
     def order(self, order: str) -> None:
         """Hand on a request, as the buttons of its page make them."""
@@ -160,6 +157,7 @@ class Child:
             process.stdin.close()
         self.feed.end()
         self.tell_table()
+        self.is_over = True
         changed()
 
     def tell_table(self) -> float:
@@ -300,16 +298,17 @@ class Runs:
             child.order(order)
 
     def close(self) -> None:
-        """End the one that goes on, and wait for it."""
-        child = self.shown
-        if child is None or child.process is None:
+        """End the one that goes on, and wait for it and for who reads its results."""
+        if (child := self.shown) is None:
             return
         child.order("end")
-        with suppress(subprocess.TimeoutExpired):
-            child.process.wait(END_WITHIN)
+        if child.process is not None:
+            with suppress(subprocess.TimeoutExpired):
+                child.process.wait(END_WITHIN)
         child.kill()
         if self._following is not None:
             self._following.join()
+        child.feed.close()
 
     def as_dict(self) -> dict[str, Any]:
         """Return them for a window."""

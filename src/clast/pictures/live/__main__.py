@@ -43,6 +43,7 @@ def main() -> None:
         if feed.status.get("paused") and _is_alone(server, GO_AFTER):
             _say("go")
             feed.say({"paused": False})
+    feed.close()
 
 
 def _is_alone(server: LiveServer, seconds: float) -> bool:

@@ -98,6 +98,13 @@ class Feed:
         killed = self._results is None or self._results.report is None
         self.say({"over": True, "paused": False, "killed": killed})
 
+    def close(self) -> None:
+        """Wait for who reads, and let nobody read any more.
+
+        A thread that a process ends while it reads holds the lock of HDF5, for which that waits.
+        """
+        self._reading.acquire()
+
     def _open(self) -> None:
         start = time.monotonic()
         try:
