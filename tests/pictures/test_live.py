@@ -521,7 +521,6 @@ def test_a_part_of_the_frames_is_what_the_whole_has(wall):
 
 READS = """
 import threading, time
-from pathlib import Path
 from types import SimpleNamespace
 from h5py._objects import phil
 from clast.pictures.live import feed as feeds
@@ -531,7 +530,7 @@ def reads(*_):
         begun.set()
         time.sleep(1.0)
     return {}
-feeds.scene_of, feed = reads, feeds.Feed(Path("none"))
+feeds.scene_of, feed = reads, feeds.Feed(None)
 feed._results = SimpleNamespace(times=[])
 threading.Thread(target=feed.scene, daemon=True).start()
 begun.wait()
@@ -540,5 +539,4 @@ feed.close()
 
 
 def test_a_process_ends_while_its_result_file_is_read():
-    ended = subprocess.run([sys.executable, "-c", READS], timeout=60, capture_output=True)
-    assert ended.returncode == 0, ended.stderr.decode()
+    subprocess.run([sys.executable, "-c", READS], timeout=60, check=True)
