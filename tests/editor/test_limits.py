@@ -1,4 +1,4 @@
-"""How long a window waits, in processor time beside others that share caches and cores."""
+"""How long a window waits, in processor time: for messages, for lines, for blocks."""
 
 import json
 import statistics
@@ -53,6 +53,7 @@ def test_a_message_is_there_after_a_letter_in_any_case(server, value):
         server.document.replace(text, server.document.version)
         values = [value.format(number) for number in range(21)]
         seconds_of(server, "/edit", ["title"], values[:3])
+        # 20 ms where it is quiet, 25 beside three browsers, 32 was met beside other tests
         took = min(p95(seconds_of(server, "/edit", ["title"], values)) for _ in range(2))
         assert took < 0.03 * NEIGHBOURS
         assert bool(server.state()["faults"]) == (value == "{}")
@@ -65,7 +66,7 @@ def test_lines_follow_a_slider(server, width, blocks, limit):
     server.document.replace(rock_text(width, 0.7 * width), server.document.version)
     values = [f"1.{number}" for number in range(501, 524)]
     seconds_of(server, "/move", SPACING, values[:3])
-    assert p95(seconds_of(server, "/move", SPACING, values)) < limit * NEIGHBOURS
+    assert p95(seconds_of(server, "/move", SPACING, values)) < limit
     assert len(server.lines()) > 2 * (0.7 * blocks) ** 0.5
 
 
@@ -81,4 +82,4 @@ def test_blocks_are_there_when_the_hand_rests(width, blocks, limit):
         as_json(section_of(first)), as_json(first.as_dict())
         took.append(time.process_time() - begun)
         assert first.model.block_count > blocks
-    assert p95(took[2:]) < limit * NEIGHBOURS
+    assert p95(took[2:]) < limit

@@ -22,7 +22,7 @@ from clast.step.method import Method
 
 STEP = 1e-3
 # some 40 of the calls take the arrays of the contacts' memory in the order of their contacts, one
-# by one: a hundredth of the time of the smallest step; some 70 compare the starts of islands by the
+# by one: 4 % of the time of the smallest step; some 70 compare the starts of islands by the
 # points that they are, which spares kernels that took a quarter of the time of compilation
 
 

@@ -78,8 +78,7 @@ class Child:
         self.number = int(folder.name)
         self.feed, self.study = Feed(case.with_suffix(".vtkhdf")), case.with_name("study")
         self.process: subprocess.Popen[bytes] | None = None
-        self.asked_to_end, self.is_over = False, True
-        """Whether it was asked to end, and whether it has, with all that it has left taken up."""
+        self.asked_to_end = False
         self.table: dict[str, Any] | None = None
         """The results of a study as they come: heads and rows."""
         self.begun = time.monotonic()
@@ -106,6 +105,11 @@ class Child:
         pages = (self.study / name for name in ("paths.html", "report.html"))
         return next((page for page in pages if page.exists()), None)
 
+    @property
+    def is_over(self) -> bool:
+        """Whether it has ended, and what it has left is taken up."""
+        return self.process is None or (self.process.poll() is not None and self.feed.is_over)
+
     def start(self, words: Sequence[str]) -> None:
         """Start the command."""
         is_run = words[0] == "run"
@@ -122,7 +126,6 @@ class Child:
                 stderr=log,
                 start_new_session=True,  # the interrupt key is for the editor
             )
-        self.is_over = False
 
     def order(self, order: str) -> None:
         """Hand on a request, as the buttons of its page make them."""
@@ -148,16 +151,15 @@ class Child:
             self.feed.look()
             if time.monotonic() > rest:
                 rest = time.monotonic() + self.tell_table()
-            now = self.feed.version, (self.folder / LOG).stat().st_size, int(self.seconds)
+            now = self.feed.version, len(self.command), int(self.seconds)
             if now != seen:
                 seen = now
                 changed()
             time.sleep(LOOK_EVERY)
         if process.stdin is not None:
             process.stdin.close()
-        self.feed.end()
         self.tell_table()
-        self.is_over = True
+        self.feed.end()
         changed()
 
     def tell_table(self) -> float:

@@ -39,6 +39,7 @@ class Feed:
     _curves: tuple[int, str] = (-1, "")
     _rest: float = 0.0
     _looked: float = 0.0
+    _closed: bool = False
 
     def __post_init__(self) -> None:
         self.changed = threading.Condition()
@@ -103,7 +104,8 @@ class Feed:
 
         A thread that a process ends while it reads holds the lock of HDF5, for which that waits.
         """
-        self._reading.acquire()
+        if not self._closed:
+            self._closed = self._reading.acquire()
 
     def _open(self) -> None:
         start = time.monotonic()
